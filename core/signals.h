@@ -1,0 +1,51 @@
+// The names of everything that can be watched or moved from outside: recordings, scenarios and the
+// status line know a bench only through this registry.
+//
+// A signal is read ("motor0.speed", rpm). An input is also written ("load0.brake_torque", Nm). A
+// name is component.quantity; the component carries the channel's number.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace virtdrive {
+
+struct Signal {
+  std::string name;
+  std::string unit;  // as printed: "rpm", "A", "" for none
+  std::string doc;   // one line
+  std::function<double()> read;
+};
+
+struct Input {
+  Signal signal;
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  std::function<void(double)> write;
+};
+
+class Registry {
+ public:
+  void add(Signal signal);
+  void add(Input input);
+
+  /// Signals and inputs in order of registration.
+  const std::vector<Signal>& signals() const { return signals_; }
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+  /// Looks a signal (or an input's present value) up; SetupError with the nearest names if unknown.
+  const Signal& signal(std::string_view name) const;
+  const Input& input(std::string_view name) const;
+
+  /// Writes an input; SetupError if the name is unknown or the value out of its range.
+  void set(std::string_view input, double value) const;
+
+ private:
+  std::vector<Signal> signals_;
+  std::vector<Input> inputs_;
+};
+
+}  // namespace virtdrive
