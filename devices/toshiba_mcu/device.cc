@@ -1,0 +1,277 @@
+#include "devices/toshiba_mcu/device.h"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "devices/protocol/binding.h"
+
+namespace virtdrive::toshiba_mcu {
+namespace {
+
+using protocol::Values;
+using namespace std::chrono_literals;
+
+constexpr SimDuration kLenientSilence = 100ms;
+constexpr std::int64_t kCrcError = 1;
+constexpr std::int64_t kSpeedControl = 1;
+
+constexpr auto kHandlers = std::to_array<protocol::Binding<Device::Handler>>({
+    {0x00, &Device::start_motor},
+    {0x01, &Device::stop_motor},
+    {0x02, &Device::motor_state},
+    {0x09, &Device::get_one},
+    {0x0A, &Device::set_one},
+    {0x0B, &Device::get_many},
+    {0x0C, &Device::set_many},
+    {0x11, &Device::control_method},
+    {0x14, &Device::version},
+    {0x23, &Device::extended_state},
+});
+static_assert(protocol::covers(kTable.commands, kHandlers),
+              "a command that is not rejected has no handler, or the reverse");
+
+constexpr std::int64_t error_code(Outcome outcome) {
+  return outcome == Outcome::kNotReady ? -2 : -1;
+}
+
+}  // namespace
+
+Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
+               WireListener listener)
+    : loop_(loop),
+      port_(port),
+      firmware_(firmware),
+      parameters_(firmware),
+      options_(options),
+      listener_(std::move(listener)),
+      answer_due_(loop.add(Phase::kDevice, [this] { answer(); })),
+      answer_out_(loop.add(Phase::kDevice, [this] { listen_again(); })),
+      silence_(loop.add(Phase::kDevice, [this] {
+        tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "cut short, given up");
+        decoder_.reset();
+      })) {}
+
+// --- Listening -----------------------------------------------------------------------------------
+
+void Device::receive(std::uint8_t byte) {
+  if (busy_)
+    keep_or_lose(byte);
+  else
+    hear(byte);
+}
+
+void Device::keep_or_lose(std::uint8_t byte) {
+  // The receive interrupt is off while a request is handled: the UART's register holds one byte.
+  const std::size_t room = options_.lenient ? kMostKept : 1;
+  if (kept_.size() < room) {
+    kept_.push_back(byte);
+    return;
+  }
+  ++counters_.bytes_lost;
+  tell(WireEvent::Kind::kLost, std::span(&byte, 1), "came while the drive was busy");
+}
+
+void Device::hear(std::uint8_t byte) {
+  using Event = Decoder::Event;
+  const Event event = decoder_.push(byte);
+  if (options_.lenient) {
+    if (decoder_.idle())
+      silence_.cancel();
+    else
+      silence_.at(loop_.now() + kLenientSilence);
+  }
+  switch (event) {
+    case Event::kNone:
+      return;
+    case Event::kNoise:
+      tell(WireEvent::Kind::kBadFrame, std::span(&byte, 1), "outside of a telegram");
+      return;
+    case Event::kUnknownCommand:
+      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown command, no answer");
+      return;
+    case Event::kBadEnd:
+      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong end byte, no answer");
+      return;
+    case Event::kBadCrc:
+      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong CRC");
+      break;
+    case Event::kTelegram: {
+      const Telegram& telegram = decoder_.telegram();
+      tell(WireEvent::Kind::kRequest, decoder_.bytes(),
+           listener_ ? fmt::format("{} {}", telegram.row->name,
+                                   describe(telegram.row->request, telegram.values))
+                     : std::string());
+      break;
+    }
+  }
+  busy_ = true;
+  crc_fits_ = event == Event::kTelegram;
+  answer_due_.at(loop_.now() + options_.latency);
+}
+
+// --- Answering -----------------------------------------------------------------------------------
+
+void Device::answer() {
+  if (crc_fits_)
+    answer_request();
+  else
+    send(encode_reply(kErrorReply, {kCrcError}), "Error crc");
+}
+
+void Device::answer_request() {
+  const Telegram& request = decoder_.telegram();
+  const Handler* handler = protocol::find(kHandlers, request.row->code);
+  Values reply;
+  const Outcome outcome =
+      handler == nullptr ? Outcome::kRefused : (this->**handler)(request.values, reply);
+  if (outcome != Outcome::kDone) {
+    send(encode_reply(kErrorReply, {error_code(outcome)}),
+         outcome == Outcome::kRefused ? "Error refused" : "Error not ready");
+    return;
+  }
+  reply.pad(request.row->reply);
+  send(encode_reply(*request.row, reply),
+       listener_ ? fmt::format("{} {}", request.row->name, describe(request.row->reply, reply))
+                 : std::string());
+}
+
+void Device::send(const std::vector<std::uint8_t>& bytes, std::string_view text) {
+  tell(WireEvent::Kind::kReply, bytes, text);
+  answer_out_.at(port_.send(bytes));
+}
+
+void Device::listen_again() {
+  busy_ = false;
+  while (!busy_ && !kept_.empty()) {
+    const std::uint8_t byte = kept_.front();
+    kept_.pop_front();
+    hear(byte);
+  }
+}
+
+void Device::tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes,
+                  std::string_view text) {
+  switch (kind) {
+    case WireEvent::Kind::kRequest:
+      ++counters_.requests;
+      break;
+    case WireEvent::Kind::kReply:
+      ++counters_.replies;
+      break;
+    case WireEvent::Kind::kBadFrame:
+      ++counters_.bad_frames;
+      break;
+    case WireEvent::Kind::kLost:
+      break;
+  }
+  if (listener_) listener_({kind, loop_.now(), bytes, text});
+}
+
+// --- Commands ------------------------------------------------------------------------------------
+
+PowerBoard* Device::board(std::int64_t motor_nr) {
+  const auto channel = static_cast<std::size_t>(motor_nr);
+  return channel < firmware_.channels() ? &firmware_.board(channel) : nullptr;
+}
+
+Outcome Device::start_motor(const Values& request, Values&) {
+  PowerBoard* board = this->board(request[0]);
+  return board == nullptr ? Outcome::kRefused : board->start();
+}
+
+Outcome Device::stop_motor(const Values& request, Values&) {
+  PowerBoard* board = this->board(request[0]);
+  return board == nullptr ? Outcome::kRefused : board->stop();
+}
+
+Outcome Device::motor_state(const Values& request, Values& reply) {
+  const PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  const MotorChannel& channel = board->channel();
+  reply = {channel.actual_rpm(), channel.target_rpm(), channel.current_ma(), channel.torque(),
+           firmware_.tick()};
+  return Outcome::kDone;
+}
+
+Outcome Device::control_method(const Values& request, Values& reply) {
+  const PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  reply.push(board->channel().pwm_active() ? kSpeedControl : 0);
+  return Outcome::kDone;
+}
+
+Outcome Device::extended_state(const Values& request, Values& reply) {
+  if (motor_state(request, reply) != Outcome::kDone) return Outcome::kRefused;
+  return control_method(request, reply);
+}
+
+Outcome Device::version(const Values&, Values& reply) {
+  reply = {kIdentity.version_major, kIdentity.version_minor};
+  return Outcome::kDone;
+}
+
+Outcome Device::get_one(const Values& request, Values& reply) {
+  UnitValue result;
+  const Outcome outcome =
+      parameters_.read(static_cast<std::uint8_t>(request[0]), static_cast<std::uint8_t>(request[1]),
+                       static_cast<std::uint8_t>(request[2]), result);
+  reply = {result.value, result.unit};
+  return outcome;
+}
+
+Outcome Device::set_one(const Values& request, Values&) {
+  const UnitValue value{static_cast<std::int32_t>(request[3]),
+                        static_cast<std::int8_t>(request[2])};
+  return parameters_.write(static_cast<std::uint8_t>(request[0]),
+                           static_cast<std::uint8_t>(request[1]), value);
+}
+
+Outcome Device::get_many(const Values& request, Values& reply) {
+  // error, offset, then the slots: the first that fails ends the work, its index is the offset.
+  const auto entries = static_cast<std::size_t>(request[1]);
+  const auto motor_nr = static_cast<std::uint8_t>(request[0]);
+  if (board(motor_nr) == nullptr && motor_nr != kAllMotors) return Outcome::kRefused;
+  if (entries < 1 || entries > kTransferCount) {
+    reply = {1, 0};
+    return Outcome::kDone;
+  }
+  Values slots;
+  std::size_t done = 0;
+  for (; done < entries; ++done) {
+    UnitValue result;
+    if (parameters_.read(motor_nr, static_cast<std::uint8_t>(request[2 + 2 * done]),
+                         static_cast<std::uint8_t>(request[3 + 2 * done]),
+                         result) != Outcome::kDone) {
+      break;
+    }
+    slots.push(result.value);
+    slots.push(result.unit);
+  }
+  const bool failed = done < entries;
+  reply = {failed ? 1 : 0, failed ? static_cast<std::int64_t>(done) : 0};
+  for (std::size_t i = 0; i < slots.size(); ++i) reply.push(slots[i]);
+  return Outcome::kDone;
+}
+
+Outcome Device::set_many(const Values& request, Values& reply) {
+  const auto entries = static_cast<std::size_t>(request[1]);
+  const auto motor_nr = static_cast<std::uint8_t>(request[0]);
+  if (board(motor_nr) == nullptr) return Outcome::kRefused;
+  if (entries < 1 || entries > kTransferCount) {
+    reply = {1, 0};
+    return Outcome::kDone;
+  }
+  for (std::size_t i = 0; i < entries; ++i) {
+    const UnitValue value{static_cast<std::int32_t>(request[4 + 3 * i]),
+                          static_cast<std::int8_t>(request[3 + 3 * i])};
+    if (parameters_.write(motor_nr, static_cast<std::uint8_t>(request[2 + 3 * i]), value) !=
+        Outcome::kDone) {
+      reply = {1, static_cast<std::int64_t>(i)};
+      return Outcome::kDone;
+    }
+  }
+  reply = {0, 0};
+  return Outcome::kDone;
+}
+
+}  // namespace virtdrive::toshiba_mcu

@@ -1,0 +1,83 @@
+// The drive on its serial line: telegrams in, telegrams out, around the firmware model.
+//
+// It answers as the firmware does: strictly one request at a time, deaf from a request's last byte
+// until the answer's last bit is out, silent at unknown commands and wrong end bytes, waiting for
+// ever for the rest of a telegram that was cut short.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "core/event_loop.h"
+#include "devices/serial_port.h"
+#include "devices/toshiba_mcu/codec.h"
+#include "devices/toshiba_mcu/parameters.h"
+#include "devices/wire_log.h"
+#include "firmware_models/toshiba_mcu/firmware.h"
+
+namespace virtdrive::toshiba_mcu {
+
+struct DeviceOptions {
+  /// From a request's last bit to the first bit of the answer. The maker's firmware answers within
+  /// one turn of its 1 kHz loop: 1 ms (assumed).
+  SimDuration latency = std::chrono::milliseconds(1);
+  /// Forgives a host what the drive does not: bytes that come while the drive is busy are kept, and
+  /// a telegram that was cut short is given up after 100 ms of silence.
+  bool lenient = false;
+};
+
+class Device final : public SerialReceiver {
+ public:
+  Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
+         WireListener listener = nullptr);
+
+  void receive(std::uint8_t byte) override;
+  const WireCounters& counters() const { return counters_; }
+
+  /// A handler reads the request's values and appends the reply's.
+  using Handler = Outcome (Device::*)(const protocol::Values& request, protocol::Values& reply);
+
+  Outcome start_motor(const protocol::Values& request, protocol::Values& reply);
+  Outcome stop_motor(const protocol::Values& request, protocol::Values& reply);
+  Outcome motor_state(const protocol::Values& request, protocol::Values& reply);
+  Outcome get_one(const protocol::Values& request, protocol::Values& reply);
+  Outcome set_one(const protocol::Values& request, protocol::Values& reply);
+  Outcome get_many(const protocol::Values& request, protocol::Values& reply);
+  Outcome set_many(const protocol::Values& request, protocol::Values& reply);
+  Outcome control_method(const protocol::Values& request, protocol::Values& reply);
+  Outcome version(const protocol::Values& request, protocol::Values& reply);
+  Outcome extended_state(const protocol::Values& request, protocol::Values& reply);
+
+ private:
+  /// Bytes that lenient mode keeps while busy; a hundred of the longest requests.
+  static constexpr std::size_t kMostKept = 5400;
+
+  void hear(std::uint8_t byte);
+  void keep_or_lose(std::uint8_t byte);
+  void answer();
+  void answer_request();
+  void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
+  void listen_again();
+  void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
+  PowerBoard* board(std::int64_t motor_nr);
+
+  EventLoop& loop_;
+  SerialPort& port_;
+  Firmware& firmware_;
+  Parameters parameters_;
+  DeviceOptions options_;
+  WireListener listener_;
+  WireCounters counters_;
+
+  Decoder decoder_{Direction::kRequest};
+  bool busy_ = false;
+  bool crc_fits_ = true;           // of the telegram to be answered
+  std::deque<std::uint8_t> kept_;  // heard while busy: one byte, or all of them when lenient
+  Wakeup answer_due_;
+  Wakeup answer_out_;
+  Wakeup silence_;
+};
+
+}  // namespace virtdrive::toshiba_mcu

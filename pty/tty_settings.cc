@@ -1,0 +1,64 @@
+#include "pty/tty_settings.h"
+
+#include <array>
+#include <asm/termbits.h>
+#include <sys/ioctl.h>
+
+namespace virtdrive {
+namespace {
+
+struct StandardBaud {
+  int baud;
+  tcflag_t code;
+};
+
+constexpr auto kStandardBauds = std::to_array<StandardBaud>({
+    {50, B50},           {75, B75},           {110, B110},         {134, B134},
+    {150, B150},         {200, B200},         {300, B300},         {600, B600},
+    {1200, B1200},       {1800, B1800},       {2400, B2400},       {4800, B4800},
+    {9600, B9600},       {19200, B19200},     {38400, B38400},     {57600, B57600},
+    {115200, B115200},   {230400, B230400},   {460800, B460800},   {500000, B500000},
+    {576000, B576000},   {921600, B921600},   {1000000, B1000000}, {1152000, B1152000},
+    {1500000, B1500000}, {2000000, B2000000}, {2500000, B2500000}, {3000000, B3000000},
+    {3500000, B3500000}, {4000000, B4000000},
+});
+
+// Programs that know only <termios.h> can read a rate back only as one of its constants.
+tcflag_t baud_code(int baud) {
+  for (const StandardBaud& standard : kStandardBauds) {
+    if (standard.baud == baud) return standard.code;
+  }
+  return BOTHER;
+}
+
+}  // namespace
+
+TtySettings tty_settings(int fd) {
+  termios2 t{};
+  if (ioctl(fd, TCGETS2, &t) != 0) return {};
+  return {static_cast<int>(t.c_ospeed), (t.c_cflag & CSTOPB) != 0 ? 2 : 1};
+}
+
+bool set_raw(int fd, const TtySettings& settings, RawFor whom) {
+  termios2 t{};
+  if (ioctl(fd, TCGETS2, &t) != 0) return false;
+  // For nobody: IGNBRK without CLOCAL. A program that makes a terminal raw clears IGNBRK
+  // (cfmakeraw, pyserial) or sets CLOCAL (minicom, libmodbus); no break and no carrier exist on a
+  // pseudo-terminal, so neither flag does anything. It matters because glibc's tcsetattr fails with
+  // EINVAL when the kernel dropped PARENB and nothing else changed: see PtyEndpoint.
+  t.c_iflag = whom == RawFor::kNobody ? IGNBRK : 0;
+  t.c_oflag = 0;
+  t.c_lflag = 0;
+  t.c_cflag = CS8 | CREAD | (whom == RawFor::kNobody ? 0 : CLOCAL) |
+              (settings.stop_bits == 2 ? CSTOPB : 0) | baud_code(settings.baud);
+  t.c_ispeed = t.c_ospeed = static_cast<speed_t>(settings.baud);
+  t.c_cc[VMIN] = 1;
+  t.c_cc[VTIME] = 0;
+  return ioctl(fd, TCSETS2, &t) == 0;
+}
+
+void discard_unread(int fd) {
+  ioctl(fd, TCFLSH, TCIFLUSH);
+}
+
+}  // namespace virtdrive

@@ -1,0 +1,40 @@
+// What the program does, a function a sub-command. Each returns the exit code.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenarios/bench.h"
+
+namespace virtdrive {
+
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitFailed = 1;  // the demo or the run went wrong
+inline constexpr int kExitUsage = 2;   // an option, a name, a file or a port that cannot be used
+
+struct RunOptions {
+  BenchOptions bench;
+  std::string link;
+  std::optional<double> rate = 1.0;  // none: as fast as possible
+  std::string record;
+  std::vector<std::string> signals;
+  double interval_s = 1e-3;
+  std::optional<double> duration_s;
+  std::string start;  // [CHANNEL:]RPM
+  bool trace = false;
+  bool json = false;
+};
+int run(const RunOptions& options);
+
+struct DemoOptions {
+  std::string link;
+};
+int demo(const DemoOptions& options);
+
+int list_drives();
+int list_motors();
+int list_signals(const std::string& drive);
+int list_parameters(const std::string& drive);
+
+}  // namespace virtdrive

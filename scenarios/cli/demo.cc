@@ -1,0 +1,133 @@
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <fmt/format.h>
+#include <thread>
+
+#include "devices/toshiba_mcu/client.h"
+#include "firmware_models/toshiba_mcu/stage.h"
+#include "pty/host_port.h"
+#include "pty/pty_endpoint.h"
+#include "pty/runner.h"
+#include "scenarios/cli/commands.h"
+
+namespace virtdrive {
+namespace {
+
+using namespace std::chrono_literals;
+using toshiba_mcu::Stage;
+
+constexpr std::uint8_t kMotor = 1;
+constexpr std::int32_t kSpeedRpm = 2000;
+constexpr double kLoadNm = 0.02;
+constexpr auto kRowInterval = 250ms;
+
+// The host program's side: everything goes through the pseudo-terminal, as for anybody's program.
+class PortTransport final : public HostTransport {
+ public:
+  PortTransport(const std::string& path, int baud) : port_(path, baud) {}
+
+  void write(std::span<const std::uint8_t> bytes) override { port_.write(bytes); }
+  std::optional<std::uint8_t> read(SimDuration patience) override {
+    const auto bytes =
+        port_.read(1, std::chrono::duration_cast<std::chrono::milliseconds>(patience));
+    if (bytes.empty()) return std::nullopt;
+    return bytes.front();
+  }
+
+ private:
+  HostPort port_;
+};
+
+class DemoHost {
+ public:
+  explicit DemoHost(const std::string& path, int baud)
+      : transport_(path, baud), client_(transport_) {}
+
+  void play() {
+    fmt::print("firmware {}; motor {}: MaxAngAcc 1500 rad/s2, {} rpm, start\n\n", client_.version(),
+               kMotor, kSpeedRpm);
+    client_.set(kMotor, "MaxAngAcc", {1500, 0});
+    client_.set(kMotor, "Speed", {kSpeedRpm, 0});
+    client_.start_motor(kMotor);
+    started_tick_ = client_.motor_state(kMotor).tick_ms;
+    fmt::print("{:>8}  {:<18} {:>6} {:>7} {:>8} {:>9} {:>7}  {}\n", "drive ms", "stage", "rpm",
+               "target", "mA", "mNm", "bus V", "");
+    watch("accelerating", 2000);
+    if (std::abs(client_.motor_state(kMotor).actual_rpm - kSpeedRpm) > 40) {
+      throw toshiba_mcu::ClientError("the motor did not reach its speed");
+    }
+    load_nm = kLoadNm;
+    watch(fmt::format("load {:.0f} mNm", kLoadNm * 1e3), 3000);
+    load_nm = 0;
+    watch("load off", 3500);
+    client_.stop_motor(kMotor);
+    watch("stopping", 5200);
+    if (stage() != Stage::kStop) throw toshiba_mcu::ClientError("the motor did not stop");
+  }
+
+  std::atomic<double> load_nm = 0;  // what the bench puts on the shaft: no host can do that
+
+ private:
+  Stage stage() { return static_cast<Stage>(client_.get(kMotor, "MotorStage").value); }
+
+  // A row now and then until the drive's own clock says so many milliseconds since the start.
+  void watch(const std::string& remark, std::uint32_t until_ms) {
+    for (bool first = true;; first = false) {
+      const toshiba_mcu::MotorState state = client_.motor_state(kMotor);
+      const std::uint32_t since = state.tick_ms - started_tick_;
+      fmt::print("{:>8}  {:<18} {:>6} {:>7} {:>8} {:>9.1f} {:>7.1f}  {}\n", since,
+                 toshiba_mcu::name(stage()), state.actual_rpm, state.target_rpm, state.current_ma,
+                 state.torque * 0.01, client_.get(kMotor, "DcLinkVoltage").value * 0.1,
+                 first ? remark : "");
+      std::fflush(stdout);
+      if (since >= until_ms) return;
+      std::this_thread::sleep_for(std::min<std::chrono::milliseconds>(
+          kRowInterval, std::chrono::milliseconds(until_ms - since)));
+    }
+  }
+
+  PortTransport transport_;
+  toshiba_mcu::Client client_;
+  std::uint32_t started_tick_ = 0;
+};
+
+}  // namespace
+
+int demo(const DemoOptions& options) {
+  Bench bench({.drive = "toshiba-mcu"});
+  PtyEndpoint port(bench.line(), options.link);
+  Runner runner(bench.loop(), {.rate = 1.0});
+  runner.add(port);
+  fmt::print("{} with motor {} on {}\n", bench.kind().table.title, bench.motor().name, port.path());
+
+  DemoHost host(port.path(), bench.line().settings().baud);
+  const std::string load = fmt::format("load{}.brake_torque", kMotor);
+  Wakeup load_watch;
+  load_watch = bench.loop().add(Phase::kScenario, [&] {
+    bench.registry().set(load, host.load_nm);
+    load_watch.at(bench.loop().now() + 10ms);
+  });
+  load_watch.at(bench.loop().now());
+
+  std::exception_ptr failure;
+  std::thread host_thread([&] {
+    try {
+      host.play();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    runner.request_stop();
+  });
+  const PacingReport pacing = runner.run();
+  host_thread.join();
+  if (failure) std::rethrow_exception(failure);
+
+  const WireCounters& wire = bench.drive().wire_counters();
+  fmt::print("\n{} requests, {} replies, {} bad frames, {} bytes lost, {} overruns\n",
+             wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost, pacing.overruns);
+  fmt::print("next: ./virtdrive run toshiba-mcu --link /tmp/drive   and open /tmp/drive\n");
+  return kExitOk;
+}
+
+}  // namespace virtdrive

@@ -1,0 +1,135 @@
+// The program: options to structs, errors to one line and an exit code. What is done stands in
+// run.cc, demo.cc and list.cc.
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <fmt/format.h>
+#include <map>
+
+#include "core/check.h"
+#include "scenarios/cli/commands.h"
+
+namespace virtdrive {
+namespace {
+
+constexpr std::string_view kVersion = "0.1.0";
+
+std::optional<double> parse_rate(const std::string& text) {
+  if (text == "max") return std::nullopt;
+  double rate = 0;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, rate);
+  if (error != std::errc{} || end != last || !(rate >= 1e-3 && rate <= 1e3)) {
+    throw SetupError(fmt::format("--rate {}: expected 0.001 ... 1000, or max", text));
+  }
+  return rate;
+}
+
+void add_run(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("run", "Put a drive on a pseudo-terminal and run it");
+  auto options = std::make_shared<RunOptions>();
+  auto rate = std::make_shared<std::string>("1");
+  BenchOptions& bench = options->bench;
+  const std::map<std::string, LineTiming> lines = {{"real", LineTiming::kReal},
+                                                   {"ideal", LineTiming::kIdeal}};
+  const std::map<std::string, Integrator> integrators = {{"default", Integrator::kDefault},
+                                                         {"fast", Integrator::kFast}};
+
+  command->add_option("DRIVE", bench.drive, "The drive: see 'virtdrive list drives'")->required();
+  command->add_option("--link", options->link, "Make this path a symlink to the terminal");
+  command
+      ->add_option("--line", bench.line,
+                   "real: character times and the drive's latency; ideal: none")
+      ->transform(CLI::CheckedTransformer(lines).description("{real,ideal}"))
+      ->default_str("real");
+  command->add_option("--motor", bench.motor, "The motor: see 'virtdrive list motors'");
+  command->add_option("--load", bench.load, kLoadHelp)->capture_default_str();
+  command->add_option("--rate", *rate, "Simulated seconds per second (0.001 ... 1000), or max")
+      ->capture_default_str();
+  command->add_option("--seed", bench.seed, "Seed of all noise")->capture_default_str();
+  command
+      ->add_option("--set", bench.set,
+                   "[CHANNEL.]PARAMETER=VALUE[UNIT], as the host would write it; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--start", options->start, "Start a motor at once: [CHANNEL:]RPM");
+  command->add_option("--baud", bench.baud, "The drive's baud rate")
+      ->check(CLI::Range(50, 12'000'000));
+  command->add_option("--integrator", bench.integrator, "default: SUNDIALS ERKStep; fast: RK4")
+      ->transform(CLI::CheckedTransformer(integrators).description("{default,fast}"))
+      ->default_str("default");
+  command->add_flag("--lenient", bench.lenient,
+                    "Forgive what the drive does not: bytes sent while it is busy, cut telegrams");
+  command->add_flag("--trace", options->trace, "Show each frame, decoded, on standard error");
+  command->add_option("--record", options->record, "Write signals to this CSV file");
+  command->add_option("--signals", options->signals, "What to record: see 'virtdrive list signals'")
+      ->delimiter(',');
+  command
+      ->add_option("--interval", options->interval_s, "Seconds between two rows of the recording")
+      ->check(CLI::Range(1e-6, 1e3))
+      ->capture_default_str();
+  command->add_option("--duration", options->duration_s, "End after so many simulated seconds")
+      ->check(CLI::Range(0.0, 1e9));
+  command->add_flag("--json", options->json, "Ready line and report as JSON, a line each");
+  command->callback([options, rate, &action] {
+    options->rate = parse_rate(*rate);
+    action = [options] { return run(*options); };
+  });
+}
+
+void add_demo(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand(
+      "demo", "Run a motor through a real terminal: 2000 rpm, a load step, stop; takes 6 s");
+  auto options = std::make_shared<DemoOptions>();
+  command->add_option("--link", options->link, "Make this path a symlink to the terminal");
+  command->callback([options, &action] { action = [options] { return demo(*options); }; });
+}
+
+void add_list(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("list", "Show what there is");
+  command->require_subcommand(1);
+  command->add_subcommand("drives", "The drives")->callback([&action] { action = list_drives; });
+  command->add_subcommand("motors", "The motor library")->callback([&action] {
+    action = list_motors;
+  });
+  const auto of_drive = [&](const char* name, const char* doc, int (*show)(const std::string&)) {
+    CLI::App* what = command->add_subcommand(name, doc);
+    auto drive = std::make_shared<std::string>();
+    what->add_option("DRIVE", *drive, "The drive")->required();
+    what->callback([drive, show, &action] { action = [drive, show] { return show(*drive); }; });
+  };
+  of_drive("signals", "What can be recorded and set on a drive's bench", list_signals);
+  of_drive("parameters", "A drive's parameters, for --set", list_parameters);
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app{"A virtual test bench for motor drives."};
+  app.name("virtdrive");
+  app.set_version_flag("--version", std::string(kVersion));
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 the run failed, 2 an option, name, file or port cannot be used.");
+  std::function<int()> action;
+  add_run(app, action);
+  add_demo(app, action);
+  add_list(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+  return action();
+}
+
+}  // namespace
+}  // namespace virtdrive
+
+int main(int argc, char** argv) {
+  try {
+    return virtdrive::run_program(argc, argv);
+  } catch (const virtdrive::SetupError& error) {
+    fmt::print(stderr, "virtdrive: {}\n", error.what());
+    return virtdrive::kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "virtdrive: {}\n", error.what());
+    return virtdrive::kExitFailed;
+  }
+}

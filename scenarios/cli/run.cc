@@ -1,0 +1,183 @@
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unistd.h>
+
+#include "core/check.h"
+#include "pty/pty_endpoint.h"
+#include "pty/runner.h"
+#include "scenarios/cli/commands.h"
+#include "scenarios/csv_recorder.h"
+#include "scenarios/line_transport.h"
+
+namespace virtdrive {
+namespace {
+
+constexpr std::string_view kEraseLine = "\r\x1b[K";
+
+// Tells on standard error what happens: a status line that is rewritten in place on a terminal,
+// frames as they pass with --trace. Standard output carries the ready line and the report only.
+class Console {
+ public:
+  explicit Console(bool quiet) : status_(!quiet && isatty(STDERR_FILENO) == 1) {}
+
+  void print_line(std::string_view text) {
+    fmt::print(stderr, "{}{}\n", status_shown_ ? kEraseLine : "", text);
+    status_shown_ = false;
+  }
+  void show_status(std::string_view text) {
+    if (!status_) return;
+    fmt::print(stderr, "{}{}", kEraseLine, text);
+    std::fflush(stderr);
+    status_shown_ = true;
+  }
+  void end_status() {
+    if (status_shown_) fmt::print(stderr, "\n");
+    status_shown_ = false;
+  }
+
+ private:
+  bool status_;
+  bool status_shown_ = false;
+};
+
+std::string hex(std::span<const std::uint8_t> bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, " "));
+}
+
+void trace(Console& console, const WireEvent& event) {
+  constexpr std::string_view kMarks[] = {">", "<", "!", "!"};
+  console.print_line(fmt::format("[{:12.6f}] {} {}  {}", seconds(event.time),
+                                 kMarks[static_cast<std::size_t>(event.kind)], hex(event.bytes),
+                                 event.text));
+}
+
+struct Start {
+  std::size_t channel;
+  double rpm;
+};
+
+// [CHANNEL:]RPM
+Start parse_start(const std::string& text, const Bench& bench, std::size_t channels) {
+  Start start{bench.kind().default_channel, 0};
+  std::string_view rpm = text;
+  const char* const last = text.data() + text.size();
+  if (const std::size_t colon = text.find(':'); colon != std::string::npos) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + colon, start.channel);
+    if (error != std::errc{} || end != text.data() + colon || start.channel >= channels) {
+      throw SetupError(fmt::format("--start {}: the channel must be 0 ... {}", text, channels - 1));
+    }
+    rpm.remove_prefix(colon + 1);
+  }
+  const auto [end, error] = std::from_chars(rpm.data(), last, start.rpm);
+  if (error != std::errc{} || end != last || !(std::abs(start.rpm) <= 1e6)) {
+    throw SetupError(fmt::format("--start {}: expected [CHANNEL:]RPM", text));
+  }
+  return start;
+}
+
+void announce(const RunOptions& options, const Bench& bench, const PtyEndpoint& port, int baud) {
+  if (options.json) {
+    const nlohmann::ordered_json ready = {{"event", "ready"},     {"drive", bench.kind().name},
+                                          {"port", port.path()},  {"terminal", port.terminal()},
+                                          {"baud", baud},         {"motor", bench.motor().name},
+                                          {"seed", bench.seed()}, {"pid", getpid()}};
+    fmt::print("{}\n", ready.dump());
+  } else {
+    fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", bench.kind().name, port.path(),
+               baud, bench.motor().name, bench.seed());
+  }
+  std::fflush(stdout);
+}
+
+std::string status_line(Bench& bench, const PtyEndpoint& port, const PacingReport& pacing) {
+  const WireCounters& wire = bench.drive().wire_counters();
+  std::string text = fmt::format("{:.1f} s | {} | {} requests", seconds(bench.loop().now()),
+                                 bench.drive().status(), wire.requests);
+  const auto count = [&](std::uint64_t n, std::string_view what) {
+    if (n > 0) text += fmt::format(" | {} {}", n, what);
+  };
+  count(wire.bad_frames, "bad");
+  count(wire.bytes_lost, "bytes lost while busy");
+  count(port.counters().overrun, "bytes not read by the host");
+  count(bench.line().counters().garbled, "bytes at a wrong baud rate");
+  count(pacing.overruns, "overruns");
+  return text;
+}
+
+void report(const RunOptions& options, Bench& bench, const PtyEndpoint& port,
+            const PacingReport& pacing, Console& console) {
+  const WireCounters& wire = bench.drive().wire_counters();
+  const double simulated = seconds(bench.loop().now());
+  const double elapsed = seconds(SimDuration(pacing.elapsed));
+  if (options.json) {
+    const nlohmann::ordered_json end = {{"event", "end"},
+                                        {"simulated_s", simulated},
+                                        {"elapsed_s", elapsed},
+                                        {"requests", wire.requests},
+                                        {"replies", wire.replies},
+                                        {"bad_frames", wire.bad_frames},
+                                        {"bytes_lost_busy", wire.bytes_lost},
+                                        {"bytes_lost_unread", port.counters().overrun},
+                                        {"bytes_garbled", bench.line().counters().garbled},
+                                        {"overruns", pacing.overruns},
+                                        {"slips", pacing.slips},
+                                        {"max_lag_ms", seconds(SimDuration(pacing.max_lag)) * 1e3},
+                                        {"seed", bench.seed()},
+                                        {"signal", pacing.signal}};
+    fmt::print("{}\n", end.dump());
+    return;
+  }
+  console.end_status();
+  console.print_line(
+      fmt::format("{:.3f} s simulated in {:.3f} s; {} requests, {} replies, {} bad frames; bytes "
+                  "lost: {} while "
+                  "busy, {} not read; {} overruns, largest lag {:.1f} ms; seed {}",
+                  simulated, elapsed, wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost,
+                  port.counters().overrun, pacing.overruns,
+                  seconds(SimDuration(pacing.max_lag)) * 1e3, bench.seed()));
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  Console console(options.json);
+  BenchOptions bench_options = options.bench;
+  if (options.trace) {
+    bench_options.listener = [&console](const WireEvent& event) { trace(console, event); };
+  }
+  if (options.signals.empty() != options.record.empty()) {
+    throw SetupError("--record FILE and --signals NAME,... go together");
+  }
+  Bench bench(bench_options);
+  std::optional<CsvRecorder> recorder;
+  if (!options.record.empty()) {
+    recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
+                     from_seconds(options.interval_s));
+  }
+  if (!options.start.empty()) {
+    const Start start = parse_start(options.start, bench, bench.drive().channels());
+    LineTransport host(bench.loop(), bench.line());
+    bench.drive().start_motor(host, start.channel, start.rpm);
+  }
+
+  PtyEndpoint port(bench.line(), options.link);
+  const SimTime until = options.duration_s ? kSimStart + from_seconds(*options.duration_s) : kNever;
+  Runner runner(bench.loop(),
+                {.rate = options.rate, .until = until, .status = [&](const auto& now) {
+                   console.show_status(status_line(bench, port, now));
+                 }});
+  runner.add(port);
+  announce(options, bench, port, bench.line().settings().baud);
+  if (!options.rate && !options.duration_s) {
+    console.print_line("free run: simulated time passes much faster than a host program expects");
+  }
+  const PacingReport pacing = runner.run();
+  if (recorder) recorder->close();
+  report(options, bench, port, pacing, console);
+  return kExitOk;
+}
+
+}  // namespace virtdrive

@@ -1,0 +1,24 @@
+#include "scenarios/drive.h"
+
+#include <algorithm>
+
+#include "core/check.h"
+#include "core/names.h"
+#include "scenarios/drives/toshiba_mcu.h"
+
+namespace virtdrive {
+
+const std::vector<DriveKind>& drive_catalogue() {
+  static const std::vector<DriveKind> catalogue = {toshiba_mcu_kind()};
+  return catalogue;
+}
+
+const DriveKind& find_drive(std::string_view name) {
+  const auto it = std::ranges::find(drive_catalogue(), name, &DriveKind::name);
+  if (it != drive_catalogue().end()) return *it;
+  std::vector<std::string_view> names;
+  for (const DriveKind& kind : drive_catalogue()) names.push_back(kind.name);
+  throw SetupError(unknown_name("drive", name, names));
+}
+
+}  // namespace virtdrive

@@ -1,0 +1,70 @@
+// A drive with its motors, as a bench sees it: what every emulated controller offers whatever its
+// protocol. One entry of the catalogue a drive; a new drive is a new file in drives/.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/event_loop.h"
+#include "core/random.h"
+#include "core/signals.h"
+#include "devices/host_transport.h"
+#include "devices/protocol/table.h"
+#include "devices/serial_port.h"
+#include "devices/wire_log.h"
+#include "plant/axis.h"
+#include "plant/motor_library.h"
+
+namespace virtdrive {
+
+/// What a drive is built from.
+struct DriveContext {
+  EventLoop& loop;
+  SerialPort& port;  // its transmitter
+  const Seed& seed;
+  const Motor& motor;  // at each of its channels
+  Integrator integrator = Integrator::kDefault;
+  bool ideal_line = false;  // answers at once
+  bool lenient = false;
+  WireListener listener;
+};
+
+class Drive {
+ public:
+  virtual ~Drive() = default;
+
+  /// Its end of the line.
+  virtual SerialReceiver& receiver() = 0;
+  virtual std::size_t channels() const = 0;
+  virtual Axis& axis(std::size_t channel) = 0;
+
+  /// Adds the firmware's own signals and the board's inputs; the plant's are the bench's.
+  virtual void register_signals(Registry& registry) = 0;
+  /// "NAME=VALUE" as on the command line, e.g. "MaxAngAcc=800" or "2.IqStart=1200mA"; SetupError if
+  /// the name is unknown or the value refused.
+  virtual void set_parameter(std::string_view assignment) = 0;
+  /// Sends what a host would to make the motor of a channel turn; SetupError if the drive refuses.
+  virtual void start_motor(HostTransport& transport, std::size_t channel, double rpm) = 0;
+
+  /// The channels that do something, in one line.
+  virtual std::string status() = 0;
+  virtual const WireCounters& wire_counters() const = 0;
+};
+
+/// An entry of the catalogue.
+struct DriveKind {
+  std::string_view name;  // as typed: "toshiba-mcu"
+  std::string_view default_motor;
+  int default_baud;
+  std::size_t default_channel;  // the motor number of the document's examples
+  const protocol::ProtocolTable& table;
+  std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
+};
+
+const std::vector<DriveKind>& drive_catalogue();
+/// SetupError with the nearest names for an unknown one.
+const DriveKind& find_drive(std::string_view name);
+
+}  // namespace virtdrive
