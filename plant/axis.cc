@@ -160,7 +160,6 @@ OdeTolerances<Machine::kStates> tolerances(const AxisParameters& p) {
 
 void validate(const AxisParameters& p, const Load& load) {
   validate(p.motor);
-  validate(p.inverter);
   validate(p.link);
   validate(p.mechanics);
   validate(load);
@@ -316,18 +315,17 @@ void Axis::Impl::drive() {
   for (const double duty : command_.duty) {
     VIRTDRIVE_CHECK(duty >= 0 && duty <= 1, "duty {}", duty);
   }
-  const bool dead_time = parameters.inverter.dead_time > SimDuration{0};
+  const bool dead_time = command_.dead_time > SimDuration{0};
   if (dead_time) {
-    VIRTDRIVE_CHECK(command_.pwm_period > parameters.inverter.dead_time,
-                    "PWM period {} ns, dead time {} ns", command_.pwm_period.count(),
-                    parameters.inverter.dead_time.count());
+    VIRTDRIVE_CHECK(command_.pwm_period > command_.dead_time, "PWM period {} ns, dead time {} ns",
+                    command_.pwm_period.count(), command_.dead_time.count());
     next_time_event_ = command_at_ + command_.pwm_period;
   }
   const PmsmParameters& motor = machine.motor;
-  machine.terminals = clarke(
-      dead_time ? effective_duty(command_, parameters.inverter, phase_currents(), x[Machine::kBus],
-                                 std::min(motor.inductance_d_h, motor.inductance_q_h))
-                : command_.duty);
+  machine.terminals =
+      clarke(dead_time ? effective_duty(command_, phase_currents(), x[Machine::kBus],
+                                        std::min(motor.inductance_d_h, motor.inductance_q_h))
+                       : command_.duty);
   machine.moved_by_bus = true;
   machine.freewheeling = false;
   machine.conduction = Conduction::kTerminals;
@@ -419,6 +417,7 @@ void Axis::Impl::set_source_voltage(double source_v) {
   DcLinkParameters link = parameters.link;
   link.source_v = source_v;
   validate(link);
+  parameters.link = link;
   machine.source_v = source_v;
   if (machine.ideal_source) x[Machine::kBus] = source_v;
   machine.source_feeds = x[Machine::kBus] <= source_v;

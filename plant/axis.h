@@ -27,7 +27,6 @@ namespace virtdrive {
 
 struct AxisParameters {
   PmsmParameters motor{};
-  InverterParameters inverter{};
   DcLinkParameters link{};
   MechanicsParameters mechanics{};
 };

@@ -6,18 +6,11 @@
 
 namespace virtdrive {
 
-void validate(const InverterParameters& inverter) {
-  if (inverter.dead_time < SimDuration{0}) {
-    throw SetupError(fmt::format("inverter: dead_time must be 0 or more, not {} ns",
-                                 inverter.dead_time.count()));
-  }
-}
-
-PhaseValues effective_duty(const BridgeCommand& command, const InverterParameters& inverter,
-                           const PhaseValues& current_a, double bus_v, double inductance_h) {
-  if (inverter.dead_time == SimDuration{0} || bus_v <= 0) return command.duty;
-  const double lost_share = seconds(inverter.dead_time) / seconds(command.pwm_period);
-  const double band_a = bus_v * seconds(inverter.dead_time) / inductance_h;
+PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& current_a, double bus_v,
+                           double inductance_h) {
+  if (command.dead_time == SimDuration{0} || bus_v <= 0) return command.duty;
+  const double lost_share = seconds(command.dead_time) / seconds(command.pwm_period);
+  const double band_a = bus_v * seconds(command.dead_time) / inductance_h;
   PhaseValues effective{};
   for (std::size_t x = 0; x < 3; ++x) {
     const double duty = command.duty[x];

@@ -27,19 +27,13 @@ struct BridgeCommand {
   PhaseValues duty{};         // kDriven: share of the period the high side is on, 0..1
   double short_share = 1;     // kShort: share of each period with all low sides on, 0..1
   SimDuration pwm_period{0};  // > 0 where it matters: with dead time or a short_share below 1
+  SimDuration dead_time{0};   // kDriven: 0 .. below pwm_period
 };
-
-struct InverterParameters {
-  SimDuration dead_time{0};  // >= 0
-};
-
-/// Throws SetupError unless every value is in its range.
-void validate(const InverterParameters& inverter);
 
 /// The averaged share of Vbus at each phase terminal, dead time included. Currents in A, into the
 /// motor; `inductance_h` the smaller of Ld and Lq.
-PhaseValues effective_duty(const BridgeCommand& command, const InverterParameters& inverter,
-                           const PhaseValues& current_a, double bus_v, double inductance_h);
+PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& current_a, double bus_v,
+                           double inductance_h);
 
 enum class Diode : std::uint8_t { kBlocked, kUpper, kLower };
 

@@ -63,7 +63,7 @@ struct Vector {
     };
     ops.nvmaxnorm = [](N_Vector x) {
       double norm = 0;
-      for (int i = 0; i < N; ++i) norm = std::max(norm, std::fabs(values(x)[i]));
+      each_index([&, a = values(x)](int i) { norm = std::max(norm, std::fabs(a[i])); });
       return norm;
     };
     ops.nvwrmsnorm = weighted_rms;
@@ -81,10 +81,18 @@ struct Vector {
     N_VFreeEmpty(v);
   }
 
+  /// f(0) .. f(N - 1), unrolled.
+  template <class F>
+  static void each_index(F&& f) {
+    [&]<int... I>(std::integer_sequence<int, I...>) {
+      (f(I), ...);
+    }(std::make_integer_sequence<int, N>{});
+  }
+
   template <class F>
   static void each(N_Vector z, F&& f) {
     double* out = values(z);
-    for (int i = 0; i < N; ++i) out[i] = f(i);
+    each_index([&](int i) { out[i] = f(i); });
   }
 
   static void scale(double c, N_Vector x, N_Vector z) {
@@ -98,7 +106,7 @@ struct Vector {
   static double weighted_rms(N_Vector x, N_Vector w) {
     const double *a = values(x), *b = values(w);
     double sum = 0;
-    for (int i = 0; i < N; ++i) sum += a[i] * b[i] * a[i] * b[i];
+    each_index([&](int i) { sum += a[i] * b[i] * a[i] * b[i]; });
     return std::sqrt(sum / N);
   }
 
@@ -106,7 +114,7 @@ struct Vector {
     double sum[N] = {};
     for (int k = 0; k < count; ++k) {
       const double* a = values(x[k]);
-      for (int i = 0; i < N; ++i) sum[i] += c[k] * a[i];
+      each_index([&, factor = c[k]](int i) { sum[i] += factor * a[i]; });
     }
     each(z, [&](int i) { return sum[i]; });
     return 0;
@@ -180,6 +188,7 @@ ErkIntegrator::Impl::Impl(const Problem& p) : problem_(p) {
   VIRTDRIVE_CHECK(p.roots >= 0 && p.roots <= kMostRoots, "{} roots", p.roots);
   std::copy_n(p.relative, p.states, relative_);
   std::copy_n(p.absolute, p.states, absolute_);
+  problem_.relative = problem_.absolute = nullptr;  // the caller's
   SUNContext context = nullptr;
   if (SUNContext_Create(nullptr, &context) != 0) {
     throw SetupError("SUNDIALS: no context could be created (out of memory?)");
@@ -202,7 +211,10 @@ ErkPtr ErkIntegrator::Impl::create(bool with_roots) {
   require(ERKStepWFtolerances(e, error_weights), "ERKStepWFtolerances");
   require(ERKStepSetMaxNumSteps(e, kMostSteps), "ERKStepSetMaxNumSteps");
   require(ERKStepSetMaxHnilWarns(e, -1), "ERKStepSetMaxHnilWarns");
-  if (with_roots) {
+  if (!with_roots) {
+    // Nothing is interpolated, and the default degree costs a derivative to be ready for it.
+    require(ERKStepSetInterpolantDegree(e, 1), "ERKStepSetInterpolantDegree");
+  } else {
     require(ERKStepRootInit(e, problem_.roots, root_functions), "ERKStepRootInit");
     int falling[kMostRoots];
     std::fill_n(falling, kMostRoots, -1);
@@ -226,9 +238,9 @@ OdeOutcome ErkIntegrator::Impl::advance(const void* with, double* x, double dura
   system_ = with;
   longest_step_s_ = longest_step_s;
   if (!watched) return run(plain_.get(), x, duration_s);
-  // Root functions are looked at where a step ends. So for a segment of a single step it is enough
+  // Root functions are looked at where a step ends. So for a segment of a step or two it is enough
   // to look once afterwards, which saves SUNDIALS' bookkeeping.
-  if (duration_s > next_step_s_) return run_watched(x, duration_s);
+  if (duration_s > 2 * next_step_s_) return run_watched(x, duration_s);
   double start[kMostStates];
   std::copy_n(x, problem_.states, start);
   const OdeOutcome outcome = run(plain_.get(), x, duration_s);
@@ -262,7 +274,7 @@ OdeOutcome ErkIntegrator::Impl::run(void* erk, double* x, double duration_s) {
   double* const vector = values(x_.get());
   std::copy_n(x, problem_.states, vector);
   // Reset, not ReInit: it forgets the first stage, which Dormand-Prince would take over from the
-  // last step and thus from the old inputs (an error of 1e-3..1e-2 that no tolerance shows), and
+  // last step and thus from the old inputs (an error of up to 1e-2 that no tolerance shows), and
   // keeps the step size, which is worth a factor of eight.
   require(ERKStepReset(erk, 0, x_.get()), "ERKStepReset");
   require(ERKStepSetStopTime(erk, duration_s), "ERKStepSetStopTime");

@@ -1,6 +1,7 @@
 // Payload bytes <-> numbers, by the fields of a table's row.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

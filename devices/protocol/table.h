@@ -165,12 +165,12 @@ enum class Checksum : std::uint8_t {
 
 struct Framing {
   std::string_view name = {};  // where a drive knows several
-  std::string_view start;  // first bytes of a request
-  std::string_view end;    // last bytes of a request; empty where a length rules
+  std::string_view start = {};  // first bytes of a request
+  std::string_view end = {};    // last bytes of a request; empty where a length rules
   std::size_t length_at = 0;  // place of the byte that counts the payload; 0: the row tells
   std::size_t overhead = 0;   // bytes of a frame besides those that this byte counts
   Checksum checksum = Checksum::kNone;
-  std::string_view checksum_span;  // in words, for the documents
+  std::string_view checksum_span = {};  // in words, for the documents
   ByteOrder order = ByteOrder::kLittleEndian;
   std::size_t longest = 0;              // bytes of the longest frame, both directions
   SimDuration silence = {};  // a frame is given up after so long without a byte; 0: never

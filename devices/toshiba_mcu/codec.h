@@ -25,7 +25,7 @@ struct Telegram {
 std::vector<std::uint8_t> encode_request(const CommandRow& row, const protocol::Values& values);
 std::vector<std::uint8_t> encode_reply(const CommandRow& row, const protocol::Values& values);
 
-enum class Direction : std::uint8_t { kRequest, kReply };
+using protocol::Direction;
 
 /// A receiver as the firmware's: one byte at a time, no time-out, no look-ahead.
 ///

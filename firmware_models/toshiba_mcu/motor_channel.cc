@@ -35,6 +35,9 @@ void MotorChannel::set_settings(const ChannelSettings& settings) {
   settings_ = settings;
   scaling_ = scale(settings_);
   output_.pwm_period = scaling_.pwm_period;
+  output_.dead_time = std::chrono::nanoseconds(settings_.dead_time.value);
+  // Without PWM periods nothing controls the currents any more.
+  if (pwm_active() && scaling_.pwm_period <= SimDuration{}) halt();
 }
 
 // --- What the host asks for ----------------------------------------------------------------------

@@ -62,6 +62,7 @@ void PowerBoard::set_speed_rpm(std::int32_t rpm) {
 
 void PowerBoard::set_settings(const ChannelSettings& settings) {
   channel_.set_settings(settings);
+  follow();
 }
 
 double PowerBoard::bus_v() {
@@ -89,7 +90,6 @@ void PowerBoard::pwm_interrupt() {
   if (channel_.output().mode == Bridge::kDriven) load_registers();
   channel_.pwm_interrupt(read_converters());
   follow();
-  if (channel_.pwm_active()) pwm_.at(loop_.now() + channel_.scaling().pwm_period);
 }
 
 void PowerBoard::millisecond() {

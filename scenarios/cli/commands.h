@@ -32,9 +32,10 @@ struct DemoOptions {
 };
 int demo(const DemoOptions& options);
 
-int list_drives();
+int list_drives(bool names_only);
 int list_motors();
 int list_signals(const std::string& drive);
 int list_parameters(const std::string& drive);
+int document_drive(const std::string& drive);
 
 }  // namespace virtdrive

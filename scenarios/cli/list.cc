@@ -1,54 +1,17 @@
+#include <algorithm>
 #include <fmt/format.h>
 
+#include "devices/protocol/document.h"
 #include "scenarios/cli/commands.h"
 
 namespace virtdrive {
-namespace {
 
-std::string_view word(protocol::Access access) {
-  switch (access) {
-    case protocol::Access::kReadOnly:
-      return "R";
-    case protocol::Access::kWriteOnly:
-      return "W";
-    default:
-      return "R/W";
-  }
-}
-
-std::string_view word(protocol::Support support) {
-  switch (support) {
-    case protocol::Support::kStored:
-      return "stored";
-    case protocol::Support::kRejected:
-      return "rejected";
-    default:
-      return "";
-  }
-}
-
-std::string units(const protocol::ParameterRow& row) {
-  if (row.units.empty()) return std::string(row.unit);
-  std::string text;
-  for (const protocol::UnitCode& unit : row.units) {
-    text += fmt::format("{}{}", text.empty() ? "" : "|", unit.label);
-  }
-  return text;
-}
-
-std::string factory(const protocol::ParameterRow& row) {
-  if (row.type == protocol::WireType::kText || row.access == protocol::Access::kWriteOnly)
-    return "";
-  for (const protocol::UnitCode& unit : row.units) {
-    if (unit.code == row.factory.unit) return fmt::format("{}{}", row.factory.value, unit.label);
-  }
-  return fmt::format("{}", row.factory.value);
-}
-
-}  // namespace
-
-int list_drives() {
+int list_drives(bool names_only) {
   for (const DriveKind& kind : drive_catalogue()) {
+    if (names_only) {
+      fmt::print("{}\n", kind.name);
+      continue;
+    }
     fmt::print("{:<14} {}\n", kind.name, kind.table.title);
     fmt::print("{:<14} motor {}, {} baud\n", "", kind.default_motor, kind.default_baud);
   }
@@ -83,16 +46,18 @@ int list_signals(const std::string& drive) {
 }
 
 int list_parameters(const std::string& drive) {
+  constexpr std::string_view kRow = "{:<4} {:<26} {:<4} {:<25} {:<14} {:<26} {}\n";
   const protocol::ProtocolTable& table = find_drive(drive).table;
-  fmt::print("{:<4} {:<26} {:<4} {:<25} {:<12} {:<26} {}\n", "id", "name", "", "range", "factory",
-             "unit", "");
+  fmt::print(kRow, "id", "name", "", "range", "factory", "unit", "support");
   for (const protocol::ParameterRow& row : table.parameters) {
-    const std::string range = row.type == protocol::WireType::kText
-                                  ? fmt::format("text, {} bytes", row.count)
-                                  : fmt::format("{} ... {}", row.range.minimum, row.range.maximum);
-    fmt::print("{:02X}   {:<26} {:<4} {:<25} {:<12} {:<26} {}\n", row.id, row.name,
-               word(row.access), range, factory(row), units(row), word(row.support));
+    fmt::print(kRow, fmt::format("{:02X}", row.id), row.name, word(row.access), range(row),
+               factory(row), units(row), word(row.support));
   }
+  return kExitOk;
+}
+
+int document_drive(const std::string& drive) {
+  fmt::print("{}", protocol::document(find_drive(drive).table));
   return kExitOk;
 }
 

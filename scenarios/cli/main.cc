@@ -86,7 +86,11 @@ void add_demo(CLI::App& app, std::function<int()>& action) {
 void add_list(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("list", "Show what there is");
   command->require_subcommand(1);
-  command->add_subcommand("drives", "The drives")->callback([&action] { action = list_drives; });
+  CLI::App* drives = command->add_subcommand("drives", "The drives");
+  auto names_only = std::make_shared<bool>(false);
+  drives->add_flag("--names", *names_only, "Names only, one a line");
+  drives->callback(
+      [names_only, &action] { action = [names_only] { return list_drives(*names_only); }; });
   command->add_subcommand("motors", "The motor library")->callback([&action] {
     action = list_motors;
   });
@@ -100,6 +104,13 @@ void add_list(CLI::App& app, std::function<int()>& action) {
   of_drive("parameters", "A drive's parameters, for --set", list_parameters);
 }
 
+void add_document(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("document", "Print a drive's protocol as a Markdown page");
+  auto drive = std::make_shared<std::string>();
+  command->add_option("DRIVE", *drive, "The drive")->required();
+  command->callback([drive, &action] { action = [drive] { return document_drive(*drive); }; });
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{"A virtual test bench for motor drives."};
   app.name("virtdrive");
@@ -111,6 +122,7 @@ int run_program(int argc, char** argv) {
   add_run(app, action);
   add_demo(app, action);
   add_list(app, action);
+  add_document(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,254 @@
+#include "devices/rzt1/codec.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <utility>
+
+#include "devices/protocol/checksum.h"
+#include "devices/protocol/text.h"
+
+namespace virtdrive::rzt1 {
+namespace {
+
+constexpr std::size_t kHeader = 4;  // start, address, length, code
+constexpr std::string_view kEndOfLine = "\r\n";
+constexpr const Framing& kFraming = kTable.framing;
+
+using Values = protocol::Values;
+
+// --- Packets -------------------------------------------------------------------------------------
+
+std::vector<Field> value_of(const ParameterRow* parameter) {
+  return parameter != nullptr ? protocol::value_fields(*parameter) : std::vector<Field>{};
+}
+
+std::vector<Field> request_fields(const Packet& packet) {
+  return protocol::with_value(packet.row->request, value_of(packet.parameter));
+}
+
+std::vector<Field> reply_fields(const Packet& request) {
+  if (request.row->reply_by_mask) return protocol::masked(request.row->reply, request.values[0]);
+  return protocol::with_value(request.row->reply, value_of(request.parameter));
+}
+
+// Finds the rows that the packet names, then the values that those rows lay out.
+void read(Packet& packet, std::uint8_t code, std::span<const std::uint8_t> data) {
+  packet.row = protocol::find(kTable.commands, code);
+  const auto refuse = [&](Status status) { packet.status = status; };
+  if (packet.row == nullptr) return refuse(Status::kBadCode);
+  if (packet.row->names != Names::kNothing) {
+    if (data.empty()) return refuse(Status::kBadSize);
+    if (packet.row->names == Names::kFunction) {
+      packet.function = protocol::find(kTable.functions, data[0]);
+    } else {
+      packet.parameter = protocol::find(kTable.parameters, data[0]);
+    }
+    if (packet.function == nullptr && packet.parameter == nullptr) {
+      return refuse(Status::kBadIndex);
+    }
+  }
+  const std::vector<Field> fields = request_fields(packet);
+  if (protocol::width(fields) != data.size()) return refuse(Status::kBadSize);
+  packet.values = protocol::unpack(fields, kFraming.order, data);
+}
+
+// --- Lines ---------------------------------------------------------------------------------------
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+// Takes the characters off the front for which `wanted` is true.
+template <class Predicate>
+std::string_view take(std::string_view& text, Predicate wanted) {
+  const auto end = std::find_if_not(text.begin(), text.end(), wanted);
+  const std::string_view taken = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  text.remove_prefix(taken.size());
+  return taken;
+}
+
+// As C does with base 0: decimal, 0x hexadecimal, 0 octal, with or without a sign.
+std::optional<std::int64_t> parse_number(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.starts_with('0')) {
+    base = 8;
+  }
+  const auto magnitude = protocol::parse_digits(text, base);
+  if (!magnitude) return std::nullopt;
+  return negative ? -std::int64_t{*magnitude} : std::int64_t{*magnitude};
+}
+
+template <class Row>
+const Row* find_name(std::span<const Row> rows, std::string_view name) {
+  const auto same = [](char a, char b) { return protocol::to_upper(a) == b; };
+  const auto row = std::ranges::find_if(rows, [&](const Row& r) {
+    return std::equal(name.begin(), name.end(), r.name.begin(), r.name.end(), same);
+  });
+  return row != rows.end() ? &*row : nullptr;
+}
+
+Line read_line(std::string_view text) {
+  Line line;
+  take(text, is_blank);
+  const std::string_view axis = take(text, protocol::is_digit);
+  if (!axis.empty()) {
+    line.axis = protocol::parse_digits(axis, 10).value_or(0);
+    line.accepted = line.axis >= 1 && line.axis <= kAxes;
+  }
+  const std::string_view name = take(text, [](char c) { return !is_blank(c) && c != '='; });
+  take(text, [](char c) { return is_blank(c) || c == '='; });
+  const std::string_view number = take(text, [](char c) { return !is_blank(c); });
+  take(text, is_blank);
+  if (!name.empty()) {
+    line.function = find_name(kTable.functions, name);
+    line.parameter = find_name(kTable.parameters, name);
+    line.accepted &= line.function != nullptr || line.parameter != nullptr;
+  }
+  if (!number.empty()) {
+    line.argument = parse_number(number);
+    line.accepted &= line.argument.has_value();
+  }
+  line.accepted &= text.empty();
+  return line;
+}
+
+}  // namespace
+
+Status status_of(protocol::Refusal refusal) {
+  switch (refusal) {
+    case protocol::Refusal::kNone:
+      return Status::kOk;
+    case protocol::Refusal::kUnknown:
+    case protocol::Refusal::kWriteOnly:
+      return Status::kBadIndex;
+    case protocol::Refusal::kReadOnly:
+      return Status::kReadOnly;
+    case protocol::Refusal::kOutOfRange:
+    case protocol::Refusal::kUnit:
+      return Status::kOutOfRange;
+  }
+  return Status::kExecution;
+}
+
+std::vector<std::uint8_t> encode_request(const Packet& packet) {
+  const std::vector<Field> fields = request_fields(packet);
+  std::vector<std::uint8_t> bytes = {kStart, packet.address,
+                                     static_cast<std::uint8_t>(protocol::width(fields)),
+                                     static_cast<std::uint8_t>(packet.row->code)};
+  protocol::pack(fields, kFraming.order, packet.values, bytes);
+  bytes.push_back(protocol::sum8(std::span(bytes).subspan(1)));
+  return bytes;
+}
+
+std::vector<std::uint8_t> encode_request(const Line& line) {
+  std::string text = line.axis == 0 ? "" : fmt::format("{}", line.axis);
+  if (line.function != nullptr) text += line.function->name;
+  if (line.parameter != nullptr) text += line.parameter->name;
+  if (line.argument) text += fmt::format(" {}", *line.argument);
+  text += kLines[0].end;
+  return {text.begin(), text.end()};
+}
+
+std::vector<std::uint8_t> encode_reply(const Packet& request, const Values& values) {
+  std::vector<std::uint8_t> bytes = {static_cast<std::uint8_t>(Status::kOk)};
+  protocol::pack(reply_fields(request), kFraming.order, values, bytes);
+  bytes.push_back(protocol::sum8(bytes));
+  return bytes;
+}
+
+std::vector<std::uint8_t> encode_refusal(Status status) {
+  return {static_cast<std::uint8_t>(status), static_cast<std::uint8_t>(status)};
+}
+
+std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted) {
+  std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  protocol::append(bytes, kEndOfLine);
+  bytes.push_back(static_cast<std::uint8_t>(accepted ? kAcceptedPrompt : kRefusedPrompt));
+  return bytes;
+}
+
+std::string to_text(const ParameterRow& row, std::int64_t value) {
+  if (row.hex_digits == 0) return fmt::format("{}", value);
+  const std::uint64_t mask = (std::uint64_t{1} << (4 * row.hex_digits)) - 1;
+  return fmt::format("{:0{}X}", static_cast<std::uint64_t>(value) & mask, row.hex_digits);
+}
+
+std::optional<std::int64_t> from_text(const ParameterRow& row, std::string_view text) {
+  if (row.hex_digits == 0) return parse_number(text);
+  const auto value = protocol::parse_digits(text, 16);
+  return value ? std::optional<std::int64_t>(*value) : std::nullopt;
+}
+
+void Decoder::reset() {
+  buffer_.clear();
+  ended_ = false;
+}
+
+Decoder::Event Decoder::push(std::uint8_t byte) {
+  if (ended_) reset();
+  const bool in_packet = !buffer_.empty() && buffer_[0] == kStart;
+  if (!in_packet && byte != kStart) return push_line(byte);
+  // No line has a byte AA: what stood before the packet was noise (assumed).
+  if (!in_packet) buffer_.clear();
+  buffer_.push(byte);
+
+  const std::size_t size = frame_size(kFraming, buffer_.bytes());
+  if (size == 0 || buffer_.size() < size) return Event::kNone;
+  ended_ = true;
+  packet_ = {.address = buffer_[1]};
+  if (protocol::sum8(bytes().subspan(1, size - 2)) != byte) return Event::kBadSum;
+  read(packet_, buffer_[3], bytes().subspan(kHeader, buffer_[kFraming.length_at]));
+  return Event::kPacket;
+}
+
+Decoder::Event Decoder::push_line(std::uint8_t byte) {
+  if (byte == '\n') return Event::kNone;
+  if (byte != '\r') {
+    if (!buffer_.full()) buffer_.push(byte);
+    return Event::kNone;
+  }
+  line_ = read_line(protocol::as_text(bytes()));
+  ended_ = true;
+  return Event::kLine;
+}
+
+PacketReplyDecoder::PacketReplyDecoder(const Packet& request) : fields_(reply_fields(request)) {}
+
+PacketReplyDecoder::Event PacketReplyDecoder::push(std::uint8_t byte) {
+  if (ended_) buffer_.clear();
+  ended_ = false;
+  buffer_.push(byte);
+  const std::size_t data = status() == Status::kOk ? protocol::width(fields_) : 0;
+  if (buffer_.size() < 1 + data + 1) return Event::kNone;
+  ended_ = true;
+  if (protocol::sum8(bytes().first(1 + data)) != byte) return Event::kBadSum;
+  values_ = status() == Status::kOk
+                ? protocol::unpack(fields_, kFraming.order, bytes().subspan(1, data))
+                : Values{};
+  return Event::kReply;
+}
+
+LineReplyDecoder::Event LineReplyDecoder::push(std::uint8_t byte) {
+  const bool at_start = std::exchange(line_ended_, false);
+  if (at_start) buffer_.clear();
+  if (at_start && byte == kAcceptedPrompt) return Event::kAccepted;
+  if (at_start && byte == kRefusedPrompt) return Event::kRefused;
+  const bool after_cr = std::exchange(cr_, byte == '\r');
+  if (byte == '\n' && after_cr) {
+    line_ended_ = true;
+    return buffer_.empty() ? Event::kNone : Event::kText;
+  }
+  if (!cr_ && !buffer_.full()) buffer_.push(byte);
+  return Event::kNone;
+}
+
+std::string_view LineReplyDecoder::text() const {
+  return protocol::as_text(buffer_.bytes());
+}
+
+}  // namespace virtdrive::rzt1

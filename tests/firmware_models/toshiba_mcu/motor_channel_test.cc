@@ -1,0 +1,399 @@
+#include "firmware_models/toshiba_mcu/motor_channel.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/firmware_models/toshiba_mcu/rig.h"
+
+namespace virtdrive::toshiba_mcu {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool has(std::uint32_t errors, Fault fault) {
+  return (errors & bit(fault)) != 0;
+}
+
+// --- Stages --------------------------------------------------------------------------------------
+
+TEST(ToshibaMcuChannel, GoesThroughTheStagesInTheirTimes) {
+  Rig rig;
+  rig.board().set_speed_rpm(2000);
+  EXPECT_EQ(rig.board().start(), Outcome::kDone);
+  EXPECT_EQ(rig.channel().stage(), Stage::kBootstrap);
+  EXPECT_EQ(rig.run_to(Stage::kZeroCurrentMeasure), 10ms);
+  const SimDuration zero_current = rig.run_to(Stage::kInitPosition);
+  EXPECT_GE(zero_current, 4 * 80us);
+  EXPECT_LE(zero_current, 5 * 80us);
+  EXPECT_NEAR(seconds(rig.run_to(Stage::kForce)), 0.2, 0.001);
+  // 25 Hz at 300 rad/s2 electrical: 0.5236 s.
+  EXPECT_NEAR(seconds(rig.run_to(Stage::kFoc)), 0.5236, 0.002);
+}
+
+TEST(ToshibaMcuChannel, BootstrapShortsTheWindingsAndZeroCurrentMeasureOpensThem) {
+  Rig rig;
+  rig.board().start();
+  EXPECT_EQ(rig.channel().output().mode, Bridge::kShort);
+  EXPECT_EQ(rig.channel().output().short_share, 1);
+  rig.run_to(Stage::kZeroCurrentMeasure);
+  EXPECT_EQ(rig.channel().output().mode, Bridge::kOff);
+}
+
+TEST(ToshibaMcuChannel, InitpositionRampsTheCurrentUpToIqStart) {
+  Rig rig;
+  rig.board().start();
+  rig.run_to(Stage::kInitPosition);
+  rig.run_for(100ms);
+  EXPECT_NEAR(rig.channel().internals().iq_a, 0.5, 0.05);
+  rig.run_for(99ms);
+  EXPECT_NEAR(rig.channel().internals().iq_a, 1.0, 0.05);
+  EXPECT_EQ(rig.channel().actual_rpm(), 0);
+}
+
+TEST(ToshibaMcuChannel, PositionDelayZeroGivesTheFullCurrentAtOnce) {
+  Rig rig;
+  rig.change(&ChannelSettings::position_delay, {0});
+  rig.board().set_speed_rpm(2000);
+  rig.board().start();
+  rig.run_to(Stage::kInitPosition);
+  EXPECT_LE(rig.run_to(Stage::kForce), 1ms);
+  EXPECT_EQ(rig.channel().current_ma(), 1000U);
+}
+
+TEST(ToshibaMcuChannel, RunsUpToTheSetSpeedWithTheRotorFollowing) {
+  for (const std::int32_t rpm : {2000, -2000, 4000}) {
+    Rig rig;
+    rig.run_up(rpm, 7s);
+    EXPECT_EQ(rig.channel().stage(), Stage::kFoc) << rpm;
+    EXPECT_NEAR(rig.channel().actual_rpm(), rpm, 5);
+    EXPECT_NEAR(rig.speed_rpm(), rpm, 5) << "the rotor, not the drive's opinion of it";
+    EXPECT_EQ(rig.channel().errors(), 0U);
+  }
+}
+
+TEST(ToshibaMcuChannel, TheRampIsMaxAngAcc) {
+  Rig rig;
+  rig.board().set_speed_rpm(2000);
+  rig.board().start();
+  rig.loop.run_until(kSimStart + 10s, [&] { return rig.channel().actual_rpm() >= 1000; });
+  rig.run_for(300ms);  // past the lurch at the change to FOC
+  const std::int32_t from = rig.channel().actual_rpm();
+  rig.run_for(1s);
+  // 300 rad/s2 electrical is 716.2 rpm/s at 4 pole pairs.
+  EXPECT_NEAR(rig.channel().actual_rpm() - from, 716.2, 0.02 * 716.2);
+}
+
+TEST(ToshibaMcuChannel, CurrentAndTorqueFollowTheLoad) {
+  Rig rig;
+  rig.run_up(2000);
+  const std::uint32_t idle = rig.channel().current_ma();
+  rig.set_brake(0.02);
+  rig.run_for(1s);
+  // 20 mNm over 34 mNm/A: 588 mA more.
+  EXPECT_NEAR(double(rig.channel().current_ma()) - idle, 588, 15);
+  EXPECT_NEAR(rig.channel().torque(), 3.4 * rig.channel().current_ma(), 3.4);
+  EXPECT_NEAR(rig.channel().actual_rpm(), 2000, 5);
+  EXPECT_EQ(rig.channel().errors(), 0U);
+}
+
+TEST(ToshibaMcuChannel, SpeedChangeAboveTheLimitKeepsTheMotorInForce) {
+  Rig rig;
+  rig.change(&ChannelSettings::speed_limit, {60, 0});
+  rig.change(&ChannelSettings::speed_change, {61, 0});
+  rig.run_up(900, 5s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kForce);
+  EXPECT_NEAR(rig.speed_rpm(), 900, 60);
+}
+
+TEST(ToshibaMcuChannel, TargetZeroStaysInForceAtStandstillWithIqStart) {
+  Rig rig;
+  rig.run_up(0, 1s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kForce);
+  EXPECT_EQ(rig.channel().actual_rpm(), 0);
+  EXPECT_NEAR(rig.channel().internals().iq_a, 1.0, 0.05);
+}
+
+TEST(ToshibaMcuChannel, GoesBackToForceFivePercentBelowSpeedChange) {
+  Rig rig;
+  rig.run_up(1000, 3s);
+  rig.board().set_speed_rpm(200);
+  rig.run_to(Stage::kForce);
+  EXPECT_NEAR(std::abs(rig.channel().internals().command_hz), 0.95 * 25, 0.1);
+}
+
+TEST(ToshibaMcuChannel, ASpeedAboveTheLimitIsClipped) {
+  Rig rig;
+  rig.board().set_speed_rpm(100'000);
+  rig.board().start();
+  EXPECT_EQ(rig.channel().target_rpm(), 350 * 60 / 4);
+  rig.board().set_speed_rpm(-100'000);
+  EXPECT_EQ(rig.channel().target_rpm(), -350 * 60 / 4);
+}
+
+TEST(ToshibaMcuChannel, ASpeedAgainstDirectionIsZeroAndWarned) {
+  Rig rig;
+  rig.change(&ChannelSettings::direction, {0});
+  rig.board().start();
+  rig.board().set_speed_rpm(-500);
+  EXPECT_EQ(rig.channel().target_rpm(), 0);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kWrongDirection));
+  rig.board().set_speed_rpm(500);
+  EXPECT_EQ(rig.channel().target_rpm(), 500);
+  EXPECT_FALSE(has(rig.channel().errors(), Fault::kWrongDirection));
+}
+
+TEST(ToshibaMcuChannel, WithPwmFrequencyZeroAStartIsRefused) {
+  Rig rig;
+  rig.change(&ChannelSettings::pwm_frequency, {0});
+  EXPECT_EQ(rig.board().start(), Outcome::kRefused);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+}
+
+TEST(ToshibaMcuChannel, PwmFrequencyZeroWhileRunningStopsTheMotor) {
+  Rig rig;
+  rig.run_up(1000, 2s);
+  rig.change(&ChannelSettings::pwm_frequency, {0});
+  rig.run_for(1s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_EQ(rig.channel().output().mode, Bridge::kOff);
+}
+
+// --- Shutdown ------------------------------------------------------------------------------------
+
+TEST(ToshibaMcuShutdown, StopWhileStoppedIsRefused) {
+  Rig rig;
+  EXPECT_EQ(rig.board().stop(), Outcome::kRefused);
+}
+
+TEST(ToshibaMcuShutdown, OutputOffLetsTheMotorCoast) {
+  Rig rig;
+  rig.change(&ChannelSettings::shutdown_mode, {0});
+  rig.run_up(2000);
+  EXPECT_EQ(rig.board().stop(), Outcome::kDone);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_EQ(rig.channel().actual_rpm(), 0) << "the drive no longer knows";
+  rig.run_for(10ms);
+  const double coasting = rig.speed_rpm();
+  EXPECT_GT(coasting, 1600);
+  EXPECT_LT(coasting, 2000);
+  for (const double current : rig.axis_of().phase_currents_a()) EXPECT_EQ(current, 0);
+}
+
+TEST(ToshibaMcuShutdown, ShortBrakeStopsSoonerThanCoasting) {
+  const auto speed_after = [](std::int32_t mode, std::int32_t percent) {
+    Rig rig;
+    rig.change(&ChannelSettings::shutdown_mode, {mode});
+    rig.change(&ChannelSettings::brake_time, {30});
+    rig.change(&ChannelSettings::brake_percentage, {percent});
+    rig.run_up(2000);
+    rig.board().stop();
+    rig.run_for(15ms);
+    return rig.speed_rpm();
+  };
+  const double coast = speed_after(0, 100);
+  const double weak = speed_after(1, 30);
+  const double full = speed_after(1, 100);
+  EXPECT_LT(weak, coast - 30);
+  EXPECT_LT(full, weak - 50);
+}
+
+TEST(ToshibaMcuShutdown, TheBrakeStageTakesBraketime) {
+  Rig rig;
+  rig.change(&ChannelSettings::shutdown_mode, {1});
+  rig.change(&ChannelSettings::brake_time, {30});
+  rig.run_up(2000);
+  rig.board().stop();
+  EXPECT_EQ(rig.channel().stage(), Stage::kBrake);
+  EXPECT_EQ(rig.channel().actual_rpm(), 0);
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady);
+  EXPECT_NEAR(seconds(rig.run_to(Stage::kStop)), 0.030, 0.001);
+}
+
+TEST(ToshibaMcuShutdown, GentleRampsDownAndForgetsTheSpeed) {
+  Rig rig;
+  rig.run_up(2000);
+  rig.board().stop();
+  EXPECT_EQ(rig.channel().stage(), Stage::kFoc);
+  EXPECT_EQ(rig.channel().target_rpm(), 0);
+  // 133.3 Hz at 47.75 Hz/s is 2.79 s; then the next 100 ms poll.
+  const double time = seconds(rig.run_to(Stage::kStop));
+  EXPECT_GT(time, 2.79);
+  EXPECT_LT(time, 2.95);
+  rig.board().start();
+  rig.run_for(500ms);
+  EXPECT_EQ(rig.channel().target_rpm(), 0);
+}
+
+TEST(ToshibaMcuShutdown, AStartDuringTheRampRestoresTheSpeed) {
+  Rig rig;
+  rig.run_up(2000);
+  rig.board().stop();
+  rig.run_for(500ms);
+  EXPECT_EQ(rig.board().start(), Outcome::kDone);
+  EXPECT_EQ(rig.channel().target_rpm(), 2000);
+  rig.run_for(2s);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 10);
+}
+
+TEST(ToshibaMcuShutdown, AfterAGentleStopTheAngleIsKnownAndInitpositionIsLeftOut) {
+  Rig rig;
+  rig.run_up(1000, 3s);
+  rig.board().stop();
+  rig.run_to(Stage::kStop);
+  rig.board().set_speed_rpm(1000);
+  rig.board().start();
+  rig.run_to(Stage::kZeroCurrentMeasure);
+  EXPECT_LE(rig.run_to(Stage::kForce), 5 * 80us);
+  rig.run_for(3s);
+  EXPECT_NEAR(rig.speed_rpm(), 1000, 10);
+}
+
+// --- Protections ---------------------------------------------------------------------------------
+
+TEST(ToshibaMcuProtection, ABusBelowSwUndervoltageIsAnEmergency) {
+  Rig rig;
+  rig.run_up(2000);
+  rig.axis_of().advance_to(rig.loop.now());
+  rig.axis_of().set_source_voltage(15);
+  rig.run_for(1s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kEmergency);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kSoftwareUnderVoltage));
+  EXPECT_EQ(rig.channel().actual_rpm(), 0);
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady);
+  EXPECT_EQ(rig.board().stop(), Outcome::kDone);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_EQ(rig.channel().errors(), 0U);
+}
+
+TEST(ToshibaMcuProtection, RegenerationPumpsTheBusPastSwOvervoltage) {
+  Rig rig;
+  Load load;
+  load.inertia_kgm2 = 5e-5;
+  rig.axis_of().set_load(load);
+  rig.run_up(2000, 5s);
+  ASSERT_NEAR(rig.speed_rpm(), 2000, 20);
+  rig.board().stop();
+  rig.run_to(Stage::kEmergency, 3s);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kSoftwareOverVoltage));
+}
+
+TEST(ToshibaMcuProtection, AGentleStopOfTheBareRotorLeavesTheBusAlone) {
+  Rig rig;
+  rig.run_up(4000, 7s);
+  rig.board().stop();
+  double highest = 0;
+  rig.loop.run_until(rig.loop.now() + 8s, [&] {
+    highest = std::max(highest, rig.axis_of().state().bus_v);
+    return rig.channel().stage() == Stage::kStop;
+  });
+  EXPECT_LT(highest, 24.2);
+  EXPECT_EQ(rig.channel().errors(), 0U);
+}
+
+TEST(ToshibaMcuProtection, ASuddenLockAtSpeedTripsOnOvercurrentOrIsFoundAsAStall) {
+  Rig rig;
+  rig.change(&ChannelSettings::restart_mode, {0});
+  rig.run_up(2000);
+  rig.set_brake(1);  // more than the motor can ever overcome
+  rig.run_for(2s);
+  const std::uint32_t errors = rig.channel().errors();
+  EXPECT_TRUE(has(errors, Fault::kSoftwareOverCurrent) || has(errors, Fault::kStall));
+  EXPECT_EQ(rig.channel().output().mode, Bridge::kOff);
+}
+
+TEST(ToshibaMcuProtection, WithSwOvercurrentOffALockedRotorIsAStallAndRestarts) {
+  Rig rig;
+  rig.change(&ChannelSettings::over_current, {0});
+  rig.run_up(2000);
+  rig.set_brake(1);
+  EXPECT_LE(rig.run_to(Stage::kStop, 2s), 1s);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kStall));
+  EXPECT_LE(rig.run_to(Stage::kBootstrap, 1s), 100ms);
+  rig.set_brake(0);
+  rig.run_for(4s);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 10);
+  EXPECT_FALSE(has(rig.channel().errors(), Fault::kStall)) << "cleared by the next good check";
+}
+
+TEST(ToshibaMcuProtection, HealthyStartsRaiseNoStall) {
+  for (const std::int32_t rpm : {500, 1000, 2000}) {
+    Rig rig;
+    rig.board().set_speed_rpm(rpm);
+    rig.board().start();
+    const bool stalled = rig.loop.run_until(
+        rig.loop.now() + 5s, [&] { return has(rig.channel().errors(), Fault::kStall); });
+    EXPECT_FALSE(stalled) << rpm;
+  }
+}
+
+TEST(ToshibaMcuProtection, SixHotSecondsStopTheMotorAndFiveDegreesReleaseIt) {
+  Rig rig;
+  rig.run_up(1000, 3s);
+  rig.board().set_temperature_degc(95);
+  rig.run_for(4500ms);
+  EXPECT_EQ(rig.channel().stage(), Stage::kFoc);
+  rig.run_for(2s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kOverTemperature));
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady);
+  rig.board().set_temperature_degc(86);
+  rig.run_for(2s);
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady) << "5 degC below 90, not 4";
+  rig.board().set_temperature_degc(84);
+  rig.run_for(2s);
+  EXPECT_EQ(rig.board().start(), Outcome::kDone);
+}
+
+TEST(ToshibaMcuProtection, SpeedReductionHoldsTheLoadInsteadOfFightingIt) {
+  Rig rig;
+  Load load;
+  load.quadratic_nm_per_radps2 =
+      1.5e-6;  // 63 mNm would be due at 2000 rpm, more than the motor has
+  load.inertia_kgm2 = 1e-5;
+  rig.axis_of().set_load(load);
+  rig.run_up(2000, 6s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kFoc);
+  EXPECT_LT(rig.speed_rpm(), 1990);
+  EXPECT_GT(rig.speed_rpm(), 1200);
+  EXPECT_LT(rig.channel().current_ma(), 1860U);
+}
+
+// --- Side by side --------------------------------------------------------------------------------
+
+TEST(ToshibaMcuFirmware, ThreeMotorsRunAtOnceAtTheirOwnSpeeds) {
+  Rig rig;
+  const std::int32_t speeds[] = {1000, -1500, 2000};
+  for (std::size_t i = 0; i < 3; ++i) {
+    rig.board(i).set_speed_rpm(speeds[i]);
+    rig.board(i).start();
+  }
+  rig.run_for(4s);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(rig.channel(i).actual_rpm(), speeds[i], 5);
+}
+
+TEST(ToshibaMcuFirmware, AnIdleDriveCostsTheLoopNextToNothing) {
+  Rig rig;
+  rig.run_for(10s);
+  EXPECT_LE(rig.loop.events(), 3 * 10 * 10U);  // the 100 ms polls of three channels
+}
+
+TEST(ToshibaMcuFirmware, TheTickCountsMillisecondsAndResetStatusReadsOnce) {
+  Rig rig;
+  rig.run_for(1234567us);
+  EXPECT_EQ(rig.firmware.tick(), 1234U);
+  EXPECT_EQ(rig.firmware.take_reset_status(), 1);
+  EXPECT_EQ(rig.firmware.take_reset_status(), 0);
+}
+
+TEST(ToshibaMcuFirmware, TheSameSeedGivesTheSameBitsAndAnotherDoesNot) {
+  const auto run = [](std::uint64_t seed) {
+    Rig rig(seed);
+    rig.run_up(2000, 1s);
+    return rig.axis_of().state().angle_rad;
+  };
+  EXPECT_EQ(run(1), run(1));
+  EXPECT_NE(run(1), run(2));
+}
+
+}  // namespace
+}  // namespace virtdrive::toshiba_mcu
