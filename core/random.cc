@@ -1,6 +1,5 @@
 #include "core/random.h"
 
-#include <cmath>
 #include <numbers>
 
 namespace virtdrive {
@@ -9,10 +8,14 @@ double RandomStream::uniform() {
   return static_cast<double>(bits() >> 11) * 0x1.0p-53;
 }
 
-double RandomStream::normal() {
-  // Box and Muller, "A note on the generation of random normal deviates", 1958.
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * std::numbers::pi * uniform());
+double RandomStream::bell() {
+  const std::uint64_t four = bits();
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += static_cast<double>(four >> (16 * i) & 0xFFFF);
+  // Four numbers 0 ... 65535: mean 2 * 65535, variance 4 * (65536^2 - 1) / 12.
+  constexpr double kMean = 2 * 65535.0;
+  constexpr double kInverseDeviation = std::numbers::sqrt3 / 65536;
+  return (sum - kMean) * kInverseDeviation;
 }
 
 RandomStream Seed::stream(std::string_view consumer) const {

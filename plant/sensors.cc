@@ -10,13 +10,13 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 
 double noisy(double value, double deviation, RandomStream& noise) {
-  return deviation > 0 ? value + deviation * noise.normal() : value;
+  return deviation > 0 ? value + deviation * noise.bell() : value;
 }
 
 }  // namespace
 
 std::int32_t Adc::counts(double input_v) const {
-  const double steps = std::floor(std::ldexp(input_v / reference_v, bits));
+  const double steps = input_v / reference_v * (full_scale() + 1.0);
   return static_cast<std::int32_t>(std::clamp(steps, 0.0, static_cast<double>(full_scale())));
 }
 

@@ -407,10 +407,11 @@ void MotorChannel::control_currents() {
 
   // The space vector's circle; both integrators are calculated back from what is put out.
   const double limit = now_.bus_v / std::numbers::sqrt3;
-  const double magnitude = std::hypot(vd, vq);
-  if (magnitude > limit) {
-    vd *= limit / magnitude;
-    vq *= limit / magnitude;
+  const double square = vd * vd + vq * vq;
+  if (square > limit * limit) {
+    const double share = limit / std::sqrt(square);
+    vd *= share;
+    vq *= share;
     d_.integral_v = vd - scaling_.id_kp * error_d;
     q_.integral_v = vq - scaling_.iq_kp * error_q;
   }

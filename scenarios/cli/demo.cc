@@ -20,7 +20,7 @@ using toshiba_mcu::Stage;
 constexpr std::uint8_t kMotor = 1;
 constexpr std::int32_t kSpeedRpm = 2000;
 constexpr double kLoadNm = 0.02;
-constexpr auto kRowInterval = 250ms;
+constexpr SimDuration kRowInterval = 250ms;
 
 // The host program's side: everything goes through the pseudo-terminal, as for anybody's program.
 class PortTransport final : public HostTransport {
@@ -82,8 +82,9 @@ class DemoHost {
                  first ? remark : "");
       std::fflush(stdout);
       if (since >= until_ms) return;
-      std::this_thread::sleep_for(std::min<std::chrono::milliseconds>(
-          kRowInterval, std::chrono::milliseconds(until_ms - since)));
+      // The drive never speaks first: to listen is to wait.
+      transport_.read(
+          std::min<SimDuration>(kRowInterval, std::chrono::milliseconds(until_ms - since)));
     }
   }
 
