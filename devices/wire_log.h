@@ -25,6 +25,10 @@ struct WireEvent {
 
 using WireListener = std::function<void(const WireEvent&)>;
 
+/// Something that a user should know although nothing is wrong, told once: a parameter that is
+/// stored without effect was written.
+using NoteListener = std::function<void(std::string_view)>;
+
 /// Counted by every device.
 struct WireCounters {
   std::uint64_t requests = 0;

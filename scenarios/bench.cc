@@ -26,7 +26,8 @@ Bench::Bench(const BenchOptions& options)
                          .integrator = options.integrator,
                          .ideal_line = options.line == LineTiming::kIdeal,
                          .lenient = options.lenient,
-                         .listener = options.listener})),
+                         .listener = options.listener,
+                         .notes = options.notes})),
       load_steps_(parse_load(options.load)),
       load_step_(loop_.add(Phase::kScenario, [this] { apply_due_load_steps(); })) {
   line_.attach(drive_->receiver());

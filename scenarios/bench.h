@@ -34,6 +34,7 @@ struct BenchOptions {
   bool lenient = false;
   std::vector<std::string> set;  // "NAME=VALUE"
   WireListener listener;
+  NoteListener notes;
 };
 
 class Bench {

@@ -29,6 +29,7 @@ struct DriveContext {
   bool ideal_line = false;  // answers at once
   bool lenient = false;
   WireListener listener;
+  NoteListener notes;
 };
 
 class Drive {

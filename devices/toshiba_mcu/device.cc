@@ -37,13 +37,14 @@ constexpr std::int64_t error_code(Outcome outcome) {
 }  // namespace
 
 Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
-               WireListener listener)
+               WireListener listener, NoteListener notes)
     : loop_(loop),
       port_(port),
       firmware_(firmware),
       parameters_(firmware),
       options_(options),
       listener_(std::move(listener)),
+      notes_(std::move(notes)),
       answer_due_(loop.add(Phase::kDevice, [this] { answer(); })),
       answer_out_(loop.add(Phase::kDevice, [this] { listen_again(); })),
       silence_(loop.add(Phase::kDevice, [this] {
@@ -149,6 +150,13 @@ void Device::listen_again() {
   }
 }
 
+void Device::note_if_stored(std::uint8_t id) {
+  const ParameterRow* row = protocol::find(kTable.parameters, id);
+  if (!notes_ || noted_[id] || row == nullptr || row->support != Support::kStored) return;
+  noted_.set(id);
+  notes_(fmt::format("{} ({:02X}) is stored, but nothing acts on it", row->name, row->id));
+}
+
 void Device::tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes,
                   std::string_view text) {
   switch (kind) {
@@ -220,6 +228,7 @@ Outcome Device::get_one(const Values& request, Values& reply) {
 }
 
 Outcome Device::set_one(const Values& request, Values&) {
+  note_if_stored(static_cast<std::uint8_t>(request[1]));
   const UnitValue value{static_cast<std::int32_t>(request[3]),
                         static_cast<std::int8_t>(request[2])};
   return parameters_.write(static_cast<std::uint8_t>(request[0]),
@@ -262,6 +271,7 @@ Outcome Device::set_many(const Values& request, Values& reply) {
     return Outcome::kDone;
   }
   for (std::size_t i = 0; i < entries; ++i) {
+    note_if_stored(static_cast<std::uint8_t>(request[2 + 3 * i]));
     const UnitValue value{static_cast<std::int32_t>(request[4 + 3 * i]),
                           static_cast<std::int8_t>(request[3 + 3 * i])};
     if (parameters_.write(motor_nr, static_cast<std::uint8_t>(request[2 + 3 * i]), value) !=

@@ -5,7 +5,7 @@
 // ever for the rest of a telegram that was cut short.
 #pragma once
 
-#include <array>
+#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -31,7 +31,7 @@ struct DeviceOptions {
 class Device final : public SerialReceiver {
  public:
   Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
-         WireListener listener = nullptr);
+         WireListener listener = nullptr, NoteListener notes = nullptr);
 
   void receive(std::uint8_t byte) override;
   const WireCounters& counters() const { return counters_; }
@@ -60,6 +60,7 @@ class Device final : public SerialReceiver {
   void answer_request();
   void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
   void listen_again();
+  void note_if_stored(std::uint8_t id);
   void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
   PowerBoard* board(std::int64_t motor_nr);
 
@@ -69,6 +70,8 @@ class Device final : public SerialReceiver {
   Parameters parameters_;
   DeviceOptions options_;
   WireListener listener_;
+  NoteListener notes_;
+  std::bitset<256> noted_;  // parameter ids
   WireCounters counters_;
 
   Decoder decoder_{Direction::kRequest};

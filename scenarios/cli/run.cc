@@ -145,6 +145,9 @@ void report(const RunOptions& options, Bench& bench, const PtyEndpoint& port,
 int run(const RunOptions& options) {
   Console console(options.json);
   BenchOptions bench_options = options.bench;
+  bench_options.notes = [&console](std::string_view text) {
+    console.print_line(fmt::format("note: {}", text));
+  };
   if (options.trace) {
     bench_options.listener = [&console](const WireEvent& event) { trace(console, event); };
   }

@@ -86,7 +86,7 @@ class ToshibaMcuDrive final : public Drive {
         device_(context.loop, context.port, firmware_,
                 {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency,
                  .lenient = context.lenient},
-                context.listener) {}
+                context.listener, context.notes) {}
 
   SerialReceiver& receiver() override { return device_; }
   std::size_t channels() const override { return axes_.size(); }
