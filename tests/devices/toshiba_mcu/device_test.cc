@@ -35,8 +35,10 @@ class DeviceTest : public testing::Test {
  protected:
   explicit DeviceTest(DeviceOptions options = {}, SimDuration character = kCharacter)
       : port_(rig_.loop, character),
-        device_(rig_.loop, port_, rig_.firmware, options,
-                [this](const WireEvent& event) { log_ += std::string(event.text) + "\n"; }) {}
+        device_(
+            rig_.loop, port_, rig_.firmware, options,
+            [this](const WireEvent& event) { log_ += std::string(event.text) + "\n"; },
+            [this](std::string_view note) { notes_.emplace_back(note); }) {}
 
   void hear(const Bytes& bytes) {
     for (const std::uint8_t byte : bytes) device_.receive(byte);
@@ -74,6 +76,7 @@ class DeviceTest : public testing::Test {
   Rig rig_;
   WirePort port_;
   std::string log_;
+  std::vector<std::string> notes_;
   Device device_;
 };
 
@@ -336,6 +339,13 @@ TEST_F(DeviceTest, ANameIsWrittenFourBytesAtTheOffsetInTheUnitField) {
   EXPECT_EQ(set(1, 0x1D, 0, -1), "error -1");
   EXPECT_EQ(get(1, 0x1D, 18), "0 0");
   EXPECT_EQ(get(1, 0x1D, 255), "0 0");
+}
+
+TEST_F(DeviceTest, AWriteWithoutEffectIsNotedOnce) {
+  EXPECT_EQ(set(1, 0x30, 1), "ok");
+  EXPECT_EQ(set(2, 0x30, 3), "ok");
+  EXPECT_EQ(set(1, 0x10, 4), "ok");
+  EXPECT_EQ(notes_, (std::vector<std::string>{"Encoder (30) is stored, but nothing acts on it"}));
 }
 
 TEST_F(DeviceTest, ChannelsKeepTheirOwnSettings) {
