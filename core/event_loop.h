@@ -79,6 +79,8 @@ class EventLoop {
 
   /// Makes the run in progress return after the current callback. The next run goes on from there.
   void stop() { stopped_ = true; }
+  /// True if that ended the last run.
+  bool stopped() const { return stopped_; }
 
   /// Callbacks run so far: equal for equal runs.
   std::uint64_t events() const { return events_; }

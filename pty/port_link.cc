@@ -119,6 +119,20 @@ PortLink::PortLink(const std::string& path, const std::string& target) : target_
   path_ = absolute;
   if (!absolute.has_filename()) refuse(path_, "it names a folder; name a file in it");
   lock_ = take_lock(path_);
+  try {
+    make_link();
+  } catch (const SetupError&) {
+    remove_lock();
+    throw;
+  }
+}
+
+PortLink::~PortLink() {
+  if (link_target(path_) == target_) unlink(path_.c_str());
+  remove_lock();
+}
+
+void PortLink::make_link() {
   const std::string stale = parse_owner(read_all(lock_.get()))->target;
   struct stat there{};
   if (lstat(path_.c_str(), &there) == 0) {
@@ -137,8 +151,7 @@ PortLink::PortLink(const std::string& path, const std::string& target) : target_
   if (symlink(target_.c_str(), path_.c_str()) != 0) refuse_folder(path_, errno);
 }
 
-PortLink::~PortLink() {
-  if (link_target(path_) == target_) unlink(path_.c_str());
+void PortLink::remove_lock() {
   const std::string lock_path = path_ + ".lock";
   if (same_file(lock_.get(), lock_path)) unlink(lock_path.c_str());
 }

@@ -31,6 +31,9 @@ class PortLink {
   const std::string& path() const { return path_; }
 
  private:
+  void make_link();
+  void remove_lock();
+
   std::string path_;
   std::string target_;
   FileDescriptor lock_;

@@ -1,9 +1,10 @@
 // A pseudo-terminal at the host end of a line: what a host program opens instead of /dev/ttyUSB0.
 //
 // The terminal is raw and set to the line's baud rate before anyone can know its name, so bytes
-// pass unchanged even for programs that set nothing. We keep its slave side open ourselves while
-// nobody is there. Who is there is told exactly: inotify says that something was opened or closed,
-// then dropping our own slave descriptor for a moment shows at the master whether anyone is left.
+// pass unchanged even for programs that set nothing. We keep its slave side open ourselves, so that
+// it lives on while nobody is there. inotify tells of every open and close; where counting them
+// leaves a doubt, our own descriptor is dropped for a moment, which shows at the master whether
+// anyone is left.
 //
 //   nobody -> a host   what an earlier host left unread is thrown away
 //   a host -> nobody   settings go back to the preset, TIOCEXCL is lifted
@@ -62,12 +63,14 @@ class PtyEndpoint final : public HostEndpoint {
   struct Hints {
     int opened = 0;
     int closed = 0;
-    bool emptied = false;  // only our own descriptor was left at some moment
+    bool emptied = false;   // only our own descriptor was left at some moment
+    bool overflow = false;  // anything may have happened
   };
 
   Hints read_hints();
-  void read_host();
-  void update_attachment(const Hints& hints);
+  bool read_host();
+  void update_attachment(bool present, bool anew);
+  bool in_doubt(const Hints& hints, bool spoken) const;
   bool host_present();
   void open_slave();
   void session_begins();

@@ -150,7 +150,7 @@ void Runner::run_free() {
 bool Runner::advance(SimTime target) {
   ++wakeups_;
   loop_.run_before(target);
-  if (loop_.now() == target) {
+  if (!loop_.stopped()) {
     for (const auto& port : outside_->ports) {
       if (!port->ready) continue;
       port->endpoint.readable();
@@ -159,8 +159,7 @@ bool Runner::advance(SimTime target) {
     loop_.run_until(target);
   }
   for (const auto& port : outside_->ports) port->endpoint.flush();
-  // A stopped loop stands before the target, or at it with something left to do.
-  return loop_.now() == target && loop_.next() > target;
+  return !loop_.stopped();
 }
 
 void Runner::wait_until(WallTime wall) {

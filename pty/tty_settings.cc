@@ -33,9 +33,19 @@ tcflag_t baud_code(int baud) {
 
 }  // namespace
 
-TtySettings tty_settings(int fd) {
+// glibc's tcsetattr fails with EINVAL if the kernel dropped PARENB, as it does on a
+// pseudo-terminal, and nothing else changed. A host that asks for even parity would connect once
+// and never again, and could not even set its time-out anew. So something is always left for it to
+// change: most hosts ask for CLOCAL (pyserial, libmodbus, minicom), which has no effect here, and
+// TIOCSSOFTCAR takes that one flag away atomically, so a setting that the host makes meanwhile is
+// not undone. For hosts that do not, there is the preset of RawFor::kNobody.
+TtySettings inspect_host(int master) {
   termios2 t{};
-  if (ioctl(fd, TCGETS2, &t) != 0) return {};
+  if (ioctl(master, TCGETS2, &t) != 0) return {};
+  if ((t.c_cflag & CLOCAL) != 0) {
+    const int off = 0;
+    ioctl(master, TIOCSSOFTCAR, &off);
+  }
   return {static_cast<int>(t.c_ospeed), (t.c_cflag & CSTOPB) != 0 ? 2 : 1};
 }
 
@@ -44,8 +54,7 @@ bool set_raw(int fd, const TtySettings& settings, RawFor whom) {
   if (ioctl(fd, TCGETS2, &t) != 0) return false;
   // For nobody: IGNBRK without CLOCAL. A program that makes a terminal raw clears IGNBRK
   // (cfmakeraw, pyserial) or sets CLOCAL (minicom, libmodbus); no break and no carrier exist on a
-  // pseudo-terminal, so neither flag does anything. It matters because glibc's tcsetattr fails with
-  // EINVAL when the kernel dropped PARENB and nothing else changed: see PtyEndpoint.
+  // pseudo-terminal, so neither flag does anything. See inspect_host for what it is good for.
   t.c_iflag = whom == RawFor::kNobody ? IGNBRK : 0;
   t.c_oflag = 0;
   t.c_lflag = 0;

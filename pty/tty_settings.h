@@ -14,8 +14,9 @@ struct TtySettings {
   friend bool operator==(const TtySettings&, const TtySettings&) = default;
 };
 
-/// What the terminal is set to. On a pseudo-terminal's master: what the host has set the slave to.
-TtySettings tty_settings(int fd);
+/// What a host has set the slave of this pseudo-terminal master to. Leaves CLOCAL cleared, so that
+/// the next program that asks for it, with or without a parity, changes something (see .cc).
+TtySettings inspect_host(int master);
 
 enum class RawFor : std::uint8_t {
   kHost,    // what a host program asks for

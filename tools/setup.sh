@@ -43,7 +43,7 @@ Install them as root, then start this again:
     grep -E '^(Need to get|After this operation|[0-9]+ upgraded)' >&2 || true
   # shellcheck disable=SC2086
   DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing \
-    </dev/null >&2 || die "apt-get could not install: ${missing}"
+    </dev/null >/dev/null || die "apt-get could not install: ${missing}"
 }
 
 # build PRESET TARGET...: configures at the first time, then builds what is not up to date. Two at once wait

@@ -23,26 +23,9 @@ constexpr double kLoadNm = 0.02;
 constexpr SimDuration kRowInterval = 250ms;
 
 // The host program's side: everything goes through the pseudo-terminal, as for anybody's program.
-class PortTransport final : public HostTransport {
- public:
-  PortTransport(const std::string& path, int baud) : port_(path, baud) {}
-
-  void write(std::span<const std::uint8_t> bytes) override { port_.write(bytes); }
-  std::optional<std::uint8_t> read(SimDuration patience) override {
-    const auto bytes =
-        port_.read(1, std::chrono::duration_cast<std::chrono::milliseconds>(patience));
-    if (bytes.empty()) return std::nullopt;
-    return bytes.front();
-  }
-
- private:
-  HostPort port_;
-};
-
 class DemoHost {
  public:
-  explicit DemoHost(const std::string& path, int baud)
-      : transport_(path, baud), client_(transport_) {}
+  DemoHost(const std::string& path, int baud) : port_(path, baud), client_(port_) {}
 
   void play() {
     fmt::print("firmware {}; motor {}: MaxAngAcc 1500 rad/s2, {} rpm, start\n\n", client_.version(),
@@ -83,12 +66,11 @@ class DemoHost {
       std::fflush(stdout);
       if (since >= until_ms) return;
       // The drive never speaks first: to listen is to wait.
-      transport_.read(
-          std::min<SimDuration>(kRowInterval, std::chrono::milliseconds(until_ms - since)));
+      port_.read(std::min<SimDuration>(kRowInterval, std::chrono::milliseconds(until_ms - since)));
     }
   }
 
-  PortTransport transport_;
+  HostPort port_;
   toshiba_mcu::Client client_;
   std::uint32_t started_tick_ = 0;
 };

@@ -1,15 +1,19 @@
 // Requests per second over a pseudo-terminal, against the least that any program could do.
 //
-// A host thread writes 11 bytes and waits for 5, with blocking calls on the slave. The other side
-// is (a) a thread that does nothing but read() and write() on the master, (b) the product: Runner,
-// PtyEndpoint, an ideal SerialLine and a device that answers at once. Both in this process, one
-// after the other, several rounds.
+// A host thread asks for the motor's state, 5 bytes, and waits for 24, with blocking calls on the
+// slave. The other side is (a) a thread that does nothing but read() and write() on the master,
+// (b) a Toshiba drive on an ideal line: runner, endpoint, line, device, firmware. Both in this
+// process, by turns. Counters: exchanges per second, `of_bare` relative to (a) of the same round,
+// percentiles of the time from write() to the last byte read; medians of the rounds.
+//
+// At 115200 baud the answer's last byte is due 5 characters, 1 ms and 24 characters after the
+// request; `late` tells how much later the host has it.
 #include <algorithm>
 #include <array>
+#include <benchmark/benchmark.h>
 #include <chrono>
 #include <cstdlib>
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <string>
 #include <thread>
 #include <unistd.h>
@@ -18,16 +22,19 @@
 #include "pty/pty_endpoint.h"
 #include "pty/runner.h"
 #include "pty/tty_settings.h"
+#include "scenarios/bench.h"
+#include "scenarios/line_transport.h"
 
 namespace virtdrive {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kRequest = 11;
-constexpr std::size_t kReply = 5;
+constexpr std::size_t kRequest = 5;
+constexpr std::size_t kReply = 24;
 constexpr int kRounds = 5;
-constexpr int kExchanges = 10'000;
+constexpr int kWarmUp = 200;
+constexpr double kDueUs = 1000 + (kRequest + kReply) * 10 * 1e6 / 115200;
 
 struct Result {
   double rate = 0;  // exchanges per second
@@ -35,16 +42,18 @@ struct Result {
   double p99_us = 0;
 };
 
+constexpr int kExchanges = 10'000;
+
 /// The host: the same for both, so that only the other side differs.
-Result exchange(const std::string& path) {
+Result exchange(const std::string& path, int exchanges) {
   const FileDescriptor tty{::open(path.c_str(), O_RDWR | O_NOCTTY)};
   if (!tty || !set_raw(tty.get(), {115200, 1}, RawFor::kHost)) std::abort();
-  const std::array<std::uint8_t, kRequest> request{0x11, 0x03, 0x13};
+  const std::array<std::uint8_t, kRequest> request{0x11, 0x02, 0x01, 0x09, 0x13};
   std::array<std::uint8_t, kReply> reply{};
   std::vector<double> latency_us;
-  latency_us.reserve(kExchanges);
+  latency_us.reserve(static_cast<std::size_t>(exchanges));
   Clock::time_point begin;
-  for (int i = -500; i < kExchanges; ++i) {
+  for (int i = -kWarmUp; i < exchanges; ++i) {
     const Clock::time_point sent = Clock::now();
     if (i == 0) begin = sent;
     if (::write(tty.get(), request.data(), request.size()) != kRequest) std::abort();
@@ -58,11 +67,11 @@ Result exchange(const std::string& path) {
   }
   const std::chrono::duration<double> total = Clock::now() - begin;
   std::sort(latency_us.begin(), latency_us.end());
-  return {kExchanges / total.count(), latency_us[kExchanges / 2],
-          latency_us[kExchanges * 99 / 100]};
+  return {exchanges / total.count(), latency_us[latency_us.size() / 2],
+          latency_us[latency_us.size() * 99 / 100]};
 }
 
-Result bare_echo() {
+Result bare_echo(int exchanges) {
   FileDescriptor master{posix_openpt(O_RDWR | O_NOCTTY)};
   if (!master || unlockpt(master.get()) != 0) std::abort();
   const std::string path = ptsname(master.get());
@@ -71,7 +80,7 @@ Result bare_echo() {
   std::thread echo([&] {
     std::array<std::uint8_t, 256> bytes{};
     std::size_t got = 0;
-    for (int i = -500; i < kExchanges; ++i) {
+    for (int i = -kWarmUp; i < exchanges; ++i) {
       for (; got < kRequest;) {
         const ssize_t size = ::read(master.get(), bytes.data(), bytes.size());
         if (size <= 0) std::abort();
@@ -81,38 +90,24 @@ Result bare_echo() {
       if (::write(master.get(), bytes.data(), kReply) != kReply) std::abort();
     }
   });
-  const Result result = exchange(path);
+  const Result result = exchange(path, exchanges);
   echo.join();
   return result;
 }
 
-class AnswerAtOnce final : public SerialReceiver {
- public:
-  explicit AnswerAtOnce(SerialPort& port) : port_(port) {}
-  void receive(std::uint8_t byte) override {
-    request_[count_++] = byte;
-    if (count_ < kRequest) return;
-    count_ = 0;
-    port_.send(std::span(request_).first(kReply));
+Result drive(LineTiming timing, bool turning, int exchanges) {
+  Bench bench({.drive = "toshiba-mcu", .line = timing});
+  if (turning) {
+    LineTransport transport(bench.loop(), bench.line());
+    bench.drive().start_motor(transport, 1, 2000);
+    bench.loop().run_until(kSimStart + std::chrono::seconds(4));
   }
-
- private:
-  SerialPort& port_;
-  std::array<std::uint8_t, kRequest> request_{};
-  std::size_t count_ = 0;
-};
-
-Result product() {
-  EventLoop loop;
-  SerialLine line{loop, {.timing = LineTiming::kIdeal}};
-  AnswerAtOnce device{line.device_port()};
-  line.attach(device);
-  PtyEndpoint endpoint{line};
-  Runner runner{loop, {}};
+  PtyEndpoint endpoint{bench.line()};
+  Runner runner{bench.loop(), {}};
   runner.add(endpoint);
   Result result;
   std::thread host([&] {
-    result = exchange(endpoint.path());
+    result = exchange(endpoint.path(), exchanges);
     runner.request_stop();
   });
   runner.run();
@@ -120,40 +115,62 @@ Result product() {
   return result;
 }
 
-void print(const char* name, const Result& result) {
-  fmt::print("{:<10} {:>8.0f} /s   p50 {:>6.1f} us   p99 {:>6.1f} us\n", name, result.rate,
-             result.p50_us, result.p99_us);
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
 }
 
-int benchmark() {
-  std::vector<double> ratios;
-  std::vector<double> p99_us;
-  std::vector<double> bare_p99_us;
-  for (int round = 0; round < kRounds; ++round) {
-    const Result bare = bare_echo();
-    const Result ours = product();
-    print("bare echo", bare);
-    print("virtdrive", ours);
-    ratios.push_back(ours.rate / bare.rate);
-    p99_us.push_back(ours.p99_us);
-    bare_p99_us.push_back(bare.p99_us);
+template <class Run>
+void measure(benchmark::State& state, const Run& run) {
+  std::vector<double> rate, p50, p99, of_bare;
+  for (auto _ : state) {
+    const Result bare = bare_echo(kExchanges);
+    const Result result = run();
+    state.SetIterationTime(kExchanges / result.rate);
+    rate.push_back(result.rate);
+    p50.push_back(result.p50_us);
+    p99.push_back(result.p99_us);
+    of_bare.push_back(result.rate / bare.rate);
   }
-  constexpr double kTarget = 0.4;
-  fmt::print(
-      "medians of {} rounds: {:.2f} of the bare echo's rate (target >= {}), p99 {:.0f} us "
-      "(target < 200 on an idle machine; the bare echo has {:.0f})\n",
-      kRounds, median(ratios), kTarget, median(p99_us), median(bare_p99_us));
-  return median(ratios) >= kTarget ? 0 : 1;
+  state.counters["per_second"] = median(rate);
+  state.counters["of_bare"] = median(of_bare);
+  state.counters["p50_us"] = median(p50);
+  state.counters["p99_us"] = median(p99);
 }
+
+void bare(benchmark::State& state) {
+  measure(state, [] { return bare_echo(kExchanges); });
+}
+void ideal_line_motor_stopped(benchmark::State& state) {
+  measure(state, [] { return drive(LineTiming::kIdeal, false, kExchanges); });
+}
+void ideal_line_motor_turning(benchmark::State& state) {
+  measure(state, [] { return drive(LineTiming::kIdeal, true, kExchanges); });
+}
+
+void real_line_115200(benchmark::State& state) {
+  constexpr int kFew = 500;  // 3.5 ms each
+  for (auto _ : state) {
+    const Result result = drive(LineTiming::kReal, false, kFew);
+    state.SetIterationTime(kFew / result.rate);
+    state.counters["due_us"] = kDueUs;
+    state.counters["late_p50_us"] = result.p50_us - kDueUs;
+    state.counters["late_p99_us"] = result.p99_us - kDueUs;
+  }
+}
+
+BENCHMARK(bare)->UseManualTime()->Iterations(kRounds)->Unit(benchmark::kMillisecond);
+BENCHMARK(ideal_line_motor_stopped)
+    ->UseManualTime()
+    ->Iterations(kRounds)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(ideal_line_motor_turning)
+    ->UseManualTime()
+    ->Iterations(kRounds)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(real_line_115200)->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace virtdrive
 
-int main() {
-  return virtdrive::benchmark();
-}
+BENCHMARK_MAIN();
