@@ -64,6 +64,11 @@ struct Runner::Outside {
   };
 
   Outside() {
+    // A terminal that is closed ends the run as well, unless nohup says otherwise.
+    struct sigaction hang_up{};
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) {
+      signals.add(SIGHUP);
+    }
     signals.async_wait([this](const boost::system::error_code& error, int number) {
       if (!error) {
         signal = number;

@@ -6,7 +6,7 @@
 // Bytes from outside wake the runner at once: the loop is brought to that moment, the endpoint puts
 // them in, the loop runs that moment, and what came of it goes out. Otherwise the runner sleeps
 // until a host could notice something, or for a millisecond: control steps in between are caught up
-// with together. SIGINT and SIGTERM end run() like any other stop, so destructors run.
+// with together. SIGINT, SIGTERM and SIGHUP end run() like any other stop, so destructors run.
 #pragma once
 
 #include <functional>
@@ -28,7 +28,7 @@ struct RunnerOptions {
 
 class Runner {
  public:
-  /// Takes SIGINT and SIGTERM from here on, until it is destroyed.
+  /// Takes SIGINT, SIGTERM and (unless it is ignored) SIGHUP from here on, until it is destroyed.
   Runner(EventLoop& loop, RunnerOptions options);
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;

@@ -15,6 +15,7 @@
 #include <deque>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/event_loop.h"
@@ -96,7 +97,10 @@ class SerialLine {
   void host_send(std::span<const std::uint8_t> bytes);
   /// The host end hears a byte and the instant of its last bit. One listener; empty: none.
   using HostListener = std::function<void(std::uint8_t, SimTime)>;
-  void on_host_byte(HostListener listener) { host_listener_ = std::move(listener); }
+  /// Returns the listener it replaces.
+  HostListener on_host_byte(HostListener listener) {
+    return std::exchange(host_listener_, std::move(listener));
+  }
 
   /// What a recording needs in order to replay a live host: each host_send, as it was called.
   using HostTap = std::function<void(std::span<const std::uint8_t>, const HostSettings&, SimTime)>;

@@ -1,13 +1,15 @@
 #include "scenarios/line_transport.h"
 
+#include <utility>
+
 namespace virtdrive {
 
 LineTransport::LineTransport(EventLoop& loop, SerialLine& line) : loop_(loop), line_(line) {
-  line_.on_host_byte([this](std::uint8_t byte, SimTime) { heard_.push_back(byte); });
+  before_ = line_.on_host_byte([this](std::uint8_t byte, SimTime) { heard_.push_back(byte); });
 }
 
 LineTransport::~LineTransport() {
-  line_.on_host_byte(nullptr);
+  line_.on_host_byte(std::move(before_));
 }
 
 void LineTransport::write(std::span<const std::uint8_t> bytes) {

@@ -11,7 +11,7 @@ namespace virtdrive {
 
 class LineTransport final : public HostTransport {
  public:
-  /// Takes the line's host end until it is destroyed.
+  /// Listens at the line's host end, in place of who did, until it is destroyed.
   LineTransport(EventLoop& loop, SerialLine& line);
   ~LineTransport() override;
   LineTransport(const LineTransport&) = delete;
@@ -23,6 +23,7 @@ class LineTransport final : public HostTransport {
  private:
   EventLoop& loop_;
   SerialLine& line_;
+  SerialLine::HostListener before_;
   std::deque<std::uint8_t> heard_;
 };
 

@@ -66,6 +66,7 @@ double parse_quantity(std::string_view part, std::string_view text,
 }
 
 LoadStep parse_step(std::string_view part) {
+  if (part.empty()) throw SetupError("--load: nothing before or behind a comma");
   const std::size_t colon = part.find(':');
   if (colon == std::string_view::npos) fail(part, "expected KIND:VALUE[UNIT][@TIME]");
   const Kind& kind = find_kind(part, part.substr(0, colon));

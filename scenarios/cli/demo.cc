@@ -104,6 +104,10 @@ int demo(const DemoOptions& options) {
   });
   const PacingReport pacing = runner.run();
   host_thread.join();
+  if (pacing.signal != 0) {
+    fmt::print(stderr, "virtdrive: interrupted\n");
+    return kExitFailed;
+  }
   if (failure) std::rethrow_exception(failure);
 
   const WireCounters& wire = bench.drive().wire_counters();

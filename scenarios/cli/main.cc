@@ -1,11 +1,12 @@
 // The program: options to structs, errors to one line and an exit code. What is done stands in
 // run.cc, demo.cc and list.cc.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
-#include <map>
 
 #include "core/check.h"
+#include "core/names.h"
 #include "scenarios/cli/commands.h"
 
 namespace virtdrive {
@@ -24,42 +25,61 @@ std::optional<double> parse_rate(const std::string& text) {
   return rate;
 }
 
+CLI::Validator not_empty() {
+  return {[](std::string& text) { return text.empty() ? "must not be empty" : ""; }, ""};
+}
+
+CLI::Validator not_negative() {
+  return {[](std::string& text) {
+            return text.starts_with('-') ? text + ": must not be negative" : std::string();
+          },
+          "NUMBER >= 0"};
+}
+
 void add_run(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("run", "Put a drive on a pseudo-terminal and run it");
   auto options = std::make_shared<RunOptions>();
-  auto rate = std::make_shared<std::string>("1");
   BenchOptions& bench = options->bench;
-  const std::map<std::string, LineTiming> lines = {{"real", LineTiming::kReal},
-                                                   {"ideal", LineTiming::kIdeal}};
-  const std::map<std::string, Integrator> integrators = {{"default", Integrator::kDefault},
-                                                         {"fast", Integrator::kFast}};
+  // Words that the callback turns into what they mean.
+  struct Words {
+    std::string rate = "1";
+    std::string line = "real";
+    std::string integrator = "default";
+  };
+  auto words = std::make_shared<Words>();
 
   command->add_option("DRIVE", bench.drive, "The drive: see 'virtdrive list drives'")->required();
-  command->add_option("--link", options->link, "Make this path a symlink to the terminal");
+  command->add_option("--link", options->link, "Make this path a symlink to the terminal")
+      ->check(not_empty());
   command
-      ->add_option("--line", bench.line,
+      ->add_option("--line", words->line,
                    "real: character times and the drive's latency; ideal: none")
-      ->transform(CLI::CheckedTransformer(lines).description("{real,ideal}"))
-      ->default_str("real");
-  command->add_option("--motor", bench.motor, "The motor: see 'virtdrive list motors'");
-  command->add_option("--load", bench.load, kLoadHelp)->capture_default_str();
-  command->add_option("--rate", *rate, "Simulated seconds per second (0.001 ... 1000), or max")
+      ->check(CLI::IsMember({"real", "ideal"}))
       ->capture_default_str();
-  command->add_option("--seed", bench.seed, "Seed of all noise")->capture_default_str();
+  command->add_option("--motor", bench.motor, "The motor: see 'virtdrive list motors'");
+  command->add_option("--load", bench.load, kLoadHelp)->check(not_empty())->capture_default_str();
+  command
+      ->add_option("--rate", words->rate, "Simulated seconds per second (0.001 ... 1000), or max")
+      ->capture_default_str();
+  command->add_option("--seed", bench.seed, "Seed of all noise")
+      ->check(not_negative())
+      ->capture_default_str();
   command
       ->add_option("--set", bench.set,
                    "[CHANNEL.]PARAMETER=VALUE[UNIT], as the host would write it; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--start", options->start, "Start a motor at once: [CHANNEL:]RPM");
+  command->add_option("--start", options->start, "Start a motor at once: [CHANNEL:]RPM")
+      ->check(not_empty());
   command->add_option("--baud", bench.baud, "The drive's baud rate")
       ->check(CLI::Range(50, 12'000'000));
-  command->add_option("--integrator", bench.integrator, "default: SUNDIALS ERKStep; fast: RK4")
-      ->transform(CLI::CheckedTransformer(integrators).description("{default,fast}"))
-      ->default_str("default");
+  command->add_option("--integrator", words->integrator, "default: SUNDIALS ERKStep; fast: RK4")
+      ->check(CLI::IsMember({"default", "fast"}))
+      ->capture_default_str();
   command->add_flag("--lenient", bench.lenient,
                     "Forgive what the drive does not: bytes sent while it is busy, cut telegrams");
   command->add_flag("--trace", options->trace, "Show each frame, decoded, on standard error");
-  command->add_option("--record", options->record, "Write signals to this CSV file");
+  command->add_option("--record", options->record, "Write signals to this CSV file")
+      ->check(not_empty());
   command->add_option("--signals", options->signals, "What to record: see 'virtdrive list signals'")
       ->delimiter(',');
   command
@@ -69,8 +89,11 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command->add_option("--duration", options->duration_s, "End after so many simulated seconds")
       ->check(CLI::Range(0.0, 1e9));
   command->add_flag("--json", options->json, "Ready line and report as JSON, a line each");
-  command->callback([options, rate, &action] {
-    options->rate = parse_rate(*rate);
+  command->callback([options, words, &action] {
+    options->rate = parse_rate(words->rate);
+    options->bench.line = words->line == "ideal" ? LineTiming::kIdeal : LineTiming::kReal;
+    options->bench.integrator =
+        words->integrator == "fast" ? Integrator::kFast : Integrator::kDefault;
     action = [options] { return run(*options); };
   });
 }
@@ -111,6 +134,25 @@ void add_document(CLI::App& app, std::function<int()>& action) {
   command->callback([drive, &action] { action = [drive] { return document_drive(*drive); }; });
 }
 
+// "virtdrive run": the words of the sub-command that was being read.
+std::string asked_of(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return app.get_name() + (chosen.empty() ? "" : " " + asked_of(*chosen.front()));
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+void check_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::ranges::find(names, argv[1]) != names.end()) return;
+  throw SetupError(unknown_name("command", argv[1], {names.begin(), names.end()}));
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{"A virtual test bench for motor drives."};
   app.name("virtdrive");
@@ -123,10 +165,13 @@ int run_program(int argc, char** argv) {
   add_demo(app, action);
   add_list(app, action);
   add_document(app, action);
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    throw SetupError(
+        fmt::format("{}; '{} --help' tells more", one_line(error.what()), asked_of(app)));
   }
   return action();
 }

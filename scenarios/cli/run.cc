@@ -89,7 +89,7 @@ void announce(const RunOptions& options, const Bench& bench, const PtyEndpoint& 
     fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", bench.kind().name, port.path(),
                baud, bench.motor().name, bench.seed());
   }
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
 }
 
 std::string status_line(Bench& bench, const PtyEndpoint& port, const PacingReport& pacing) {
@@ -155,18 +155,18 @@ int run(const RunOptions& options) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
   Bench bench(bench_options);
+  std::optional<Start> start;
+  if (!options.start.empty()) start = parse_start(options.start, bench, bench.drive().channels());
+  PtyEndpoint port(bench.line(), options.link);
   std::optional<CsvRecorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
                      from_seconds(options.interval_s));
   }
-  if (!options.start.empty()) {
-    const Start start = parse_start(options.start, bench, bench.drive().channels());
+  if (start) {
     LineTransport host(bench.loop(), bench.line());
-    bench.drive().start_motor(host, start.channel, start.rpm);
+    bench.drive().start_motor(host, start->channel, start->rpm);
   }
-
-  PtyEndpoint port(bench.line(), options.link);
   const SimTime until = options.duration_s ? kSimStart + from_seconds(*options.duration_s) : kNever;
   Runner runner(bench.loop(),
                 {.rate = options.rate, .until = until, .status = [&](const auto& now) {

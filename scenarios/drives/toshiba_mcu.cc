@@ -24,17 +24,18 @@ struct Assignment {
   UnitValue value;
 };
 
-const ParameterRow& row_named(std::string_view name) {
+const ParameterRow& row_named(std::string_view text, std::string_view name) {
   const auto same = [&](const ParameterRow& row) { return edit_distance(row.name, name) == 0; };
   const auto it = std::ranges::find_if(kTable.parameters, same);
   if (it != kTable.parameters.end()) return *it;
   std::vector<std::string_view> names;
   for (const ParameterRow& row : kTable.parameters) names.push_back(row.name);
-  throw SetupError(unknown_name("parameter", name, names) +
-                   "; 'virtdrive list parameters toshiba-mcu' shows them all");
+  throw SetupError(
+      fmt::format("--set {}: {}; 'virtdrive list parameters toshiba-mcu' shows them all", text,
+                  unknown_name("parameter", name, names)));
 }
 
-std::int8_t unit_labelled(const ParameterRow& row, std::string_view label) {
+std::int8_t unit_labelled(std::string_view text, const ParameterRow& row, std::string_view label) {
   if (label.empty()) return row.factory.unit;
   std::vector<std::string_view> labels;
   for (const UnitCode& unit : row.units) {
@@ -43,7 +44,8 @@ std::int8_t unit_labelled(const ParameterRow& row, std::string_view label) {
   }
   if (labels.empty() && edit_distance(row.unit, label) == 0 && !row.unit.empty()) return 0;
   if (labels.empty()) labels.push_back(row.unit.empty() ? "none" : row.unit);
-  throw SetupError(unknown_name(fmt::format("unit of {}", row.name), label, labels));
+  throw SetupError(fmt::format("--set {}: {}", text,
+                               unknown_name(fmt::format("unit of {}", row.name), label, labels)));
 }
 
 // [CHANNEL.]NAME=NUMBER[UNIT]
@@ -64,7 +66,7 @@ Assignment parse_assignment(std::string_view text) {
     assignment.channel = channel;
     name.remove_prefix(dot + 1);
   }
-  assignment.row = &row_named(name);
+  assignment.row = &row_named(text, name);
   const std::string_view value = text.substr(equals + 1);
   const char* const value_end = value.data() + value.size();
   const auto [end, error] = std::from_chars(value.data(), value_end, assignment.value.value);
@@ -72,7 +74,7 @@ Assignment parse_assignment(std::string_view text) {
     throw SetupError(
         fmt::format("--set {}: '{}' is not a whole number within 32 bits", text, value));
   }
-  assignment.value.unit = unit_labelled(*assignment.row, std::string_view(end, value_end));
+  assignment.value.unit = unit_labelled(text, *assignment.row, std::string_view(end, value_end));
   return assignment;
 }
 
@@ -135,8 +137,8 @@ void ToshibaMcuDrive::set_parameter(std::string_view text) {
     if (row.access == Access::kReadOnly || row.support == Support::kRejected) {
       throw SetupError(fmt::format("--set {}: {} cannot be written", text, row.name));
     }
-    throw SetupError(fmt::format("--set {}: out of range, {} is {} ... {}", text, row.name,
-                                 row.range.minimum, row.range.maximum));
+    throw SetupError(fmt::format("--set {}: refused; {} is {} ... {}: {}", text, row.name,
+                                 row.range.minimum, row.range.maximum, row.doc));
   }
 }
 

@@ -45,7 +45,10 @@ TEST(SetParameter, SaysWhatIsWrong) {
   };
   EXPECT_EQ(set("MaxAngAcc"), "--set MaxAngAcc: expected [CHANNEL.]NAME=VALUE[UNIT]");
   EXPECT_NE(set("MaxAngAc=1").find("did you mean MaxAngAcc?"), std::string::npos);
-  EXPECT_EQ(set("MaxAngAcc=0"), "--set MaxAngAcc=0: out of range, MaxAngAcc is 1 ... 10000");
+  EXPECT_EQ(
+      set("MaxAngAcc=0"),
+      "--set MaxAngAcc=0: refused; MaxAngAcc is 1 ... 10000: Limit of the acceleration, of the "
+      "electrical angle in rad/s2 and Hz/s.");
   EXPECT_EQ(set("3.MaxAngAcc=1"), "--set 3.MaxAngAcc=1: channel '3' is not 0 ... 2");
   EXPECT_EQ(set("MaxAngAcc=fast"),
             "--set MaxAngAcc=fast: 'fast' is not a whole number within 32 bits");

@@ -51,7 +51,7 @@ TEST(LoadSpec, SaysWhatIsWrongAndWhatWasExpected) {
   EXPECT_EQ(error_of("brake:1kg"), "--load brake:1kg: unknown unit 'kg', expected Nm or mNm");
   EXPECT_EQ(error_of("brake:-1"), "--load brake:-1: must not be negative");
   EXPECT_EQ(error_of("brake:1@-1s"), "--load brake:1@-1s: the time must be 0 ... 1e9 s");
-  EXPECT_EQ(error_of("brake:1,"), "--load : expected KIND:VALUE[UNIT][@TIME]");
+  EXPECT_EQ(error_of("brake:1,"), "--load: nothing before or behind a comma");
   EXPECT_EQ(error_of("brake:inf"), "--load brake:inf: 'inf' is not a number");
 }
 

@@ -1,0 +1,244 @@
+"""A host for Toshiba's MCU Motor Studio serial protocol, firmware 3.10.
+
+Written from the maker's document alone ("Serial Communication - Protocol Specification", Rev 1.1.0,
+2022-10-21), as a second opinion: it shares no table and no line with the program under test. Sizes,
+ids and units stand here as the document prints them; section numbers are its own.
+"""
+
+import enum
+import struct
+from typing import NamedTuple
+
+import serial
+
+BAUD = 115200  # table 2-2, 8N1
+BOT, EOT = 0x11, 0x13  # table 3-1
+ERROR = 0xEE  # section 3
+ALL_MOTORS = 0xFF  # 5.1: MotorID -1
+
+# Section 4.1, with the command bytes of the frames in 4.2.
+START_MOTOR = 0x00
+STOP_MOTOR = 0x01
+GET_MOTOR_STATE = 0x02
+GET_ONE = 0x09
+SET_ONE = 0x0A
+GET_MANY = 0x0B
+SET_MANY = 0x0C
+GET_CONTROL_METHOD = 0x11
+GET_VERSION = 0x14
+GET_EXTENDED_STATE = 0x23
+
+# Payload of the answer to each, in bytes.
+REPLY_SIZE = {
+    START_MOTOR: 1,
+    STOP_MOTOR: 1,
+    GET_MOTOR_STATE: 20,
+    GET_ONE: 5,
+    SET_ONE: 1,
+    GET_MANY: 42,
+    SET_MANY: 2,
+    GET_CONTROL_METHOD: 1,
+    GET_VERSION: 2,
+    GET_EXTENDED_STATE: 21,
+    ERROR: 1,
+}
+SLOTS = 8  # 4.2.12: "At the moment the count is set to 8"
+
+# Parameters (5.1).
+POLE_PAIRS = 0x10
+DIRECTION = 0x11
+MAX_ANG_ACC = 0x12
+IQ_START = 0x19
+SHUTDOWN_MODE = 0x51
+BRAKETIME = 0x52
+RESTART_MODE = 0x54
+SW_UNDERVOLTAGE = 0x5A
+BOOTSTRAP_DELAY = 0x71
+ERROR_STATE = 0xE1
+MOTOR_STAGE = 0xE3
+SPEED = 0xE5
+
+# Units of MaxAngAcc (5.1.3) and of currents (5.1.10).
+RAD_BY_S2, HZ_BY_S, RPM_BY_S, RPM_BY_MIN = range(4)
+MAMPERE = -3
+
+# ShutdownMode (5.1.32).
+DISABLE_OUTPUT, SHORT_BRAKE, GENTLE = range(3)
+
+# Bits of ErrorState (5.1.66).
+SW_UNDERVOLTAGE_ERROR = 1 << 4
+WRONG_DIRECTION_ERROR = 1 << 7
+STALL_ERROR = 1 << 9
+
+
+class Stage(enum.IntEnum):  # 5.1.68
+    STOP = 0
+    BOOTSTRAP = 1
+    BRAKE = 2
+    ZERO_CURRENT_MEASURE = 3
+    INITPOSITION = 4
+    FORCE = 5
+    FOC = 6
+    EMERGENCY = 7
+
+
+class MotorState(NamedTuple):  # 4.2.3
+    actual_rpm: int
+    target_rpm: int
+    current_ma: int
+    torque: int
+    tick: int
+
+
+class ExtendedMotorState(NamedTuple):  # 4.2.24
+    actual: int
+    target: int
+    current_ma: int
+    non_control: int
+    tick: int
+    method: int
+
+
+class Value(NamedTuple):
+    value: int
+    unit: int
+
+
+class NoAnswer(Exception):
+    """The drive did not answer in time, or not with a whole telegram."""
+
+
+class BadAnswer(Exception):
+    """Something came that is no telegram, or not the one asked for."""
+
+
+class ErrorAnswer(Exception):
+    """The drive answered with the error telegram; `code` is signed."""
+
+    def __init__(self, code):
+        super().__init__(f"error telegram, code {code}")
+        self.code = code
+
+
+def crc8(command, payload):
+    """Section 6: polynomial 0x07, no reflection; the command is the start value."""
+    crc = command
+    for byte in payload:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1) ^ 0x07 if crc & 0x80 else crc << 1
+            crc &= 0xFF
+    return crc
+
+
+def telegram(command, payload):
+    return bytes([BOT, command, *payload, crc8(command, payload), EOT])
+
+
+class Host:
+    """The host program's end of a port. An answer that must come has `patience_s` to do so."""
+
+    def __init__(self, path, baud=BAUD, parity="N", patience_s=10.0):
+        self.port = serial.Serial(path, baud, parity=parity, timeout=patience_s)
+        self.patience_s = patience_s
+
+    def close(self):
+        self.port.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    # --- Bytes ---
+
+    def send(self, data):
+        self.port.write(data)
+
+    def read(self, count):
+        """Exactly so many bytes."""
+        data = self.port.read(count)
+        if len(data) < count:
+            raise NoAnswer(f"{len(data)} of {count} bytes: {data.hex(' ')}")
+        return data
+
+    def listen(self, seconds, last=None):
+        """Whatever comes within a time, or until it ends with `last`; b"" if nothing does."""
+        self.port.timeout = seconds
+        try:
+            return self.port.read_until(last) if last else self.port.read(4096)
+        finally:
+            self.port.timeout = self.patience_s
+
+    def exchange(self, request, size):
+        """Sends bytes as they are and reads so many back."""
+        self.send(request)
+        return self.read(size)
+
+    # --- Telegrams ---
+
+    def answer(self, command):
+        """The payload of the answer to `command`, which was sent."""
+        head = self.read(2)
+        if head[0] != BOT or head[1] not in (command, ERROR):
+            raise BadAnswer(f"answer to {command:02x} begins with {head.hex(' ')}")
+        body = self.read(REPLY_SIZE[head[1]] + 2)
+        payload, crc, eot = body[:-2], body[-2], body[-1]
+        if crc != crc8(head[1], payload) or eot != EOT:
+            raise BadAnswer(f"no telegram: {(head + body).hex(' ')}")
+        if head[1] == ERROR:
+            raise ErrorAnswer(struct.unpack("<b", payload)[0])
+        return payload
+
+    def request(self, command, payload):
+        self.send(telegram(command, payload))
+        return self.answer(command)
+
+    # --- Commands (4.2) ---
+
+    def version(self):
+        return tuple(self.request(GET_VERSION, [0]))
+
+    def start(self, motor):
+        self.request(START_MOTOR, [motor])
+
+    def stop(self, motor):
+        self.request(STOP_MOTOR, [motor])
+
+    def state(self, motor):
+        return MotorState(*struct.unpack("<iiIII", self.request(GET_MOTOR_STATE, [motor])))
+
+    def extended_state(self, motor):
+        payload = self.request(GET_EXTENDED_STATE, [motor])
+        return ExtendedMotorState(*struct.unpack("<iiIIIB", payload))
+
+    def control_method(self, motor):
+        return self.request(GET_CONTROL_METHOD, [motor])[0]
+
+    def get(self, motor, parameter, offset=0):
+        return Value(*struct.unpack("<ib", self.request(GET_ONE, [motor, parameter, offset])))
+
+    def set(self, motor, parameter, value, unit=0):
+        self.request(SET_ONE, struct.pack("<BBbi", motor, parameter, unit, value))
+
+    def get_many(self, motor, parameters):
+        """error, offset, and a Value for each of the eight slots."""
+        entries = [byte for parameter in parameters for byte in (parameter, 0)]
+        payload = bytes([motor, len(parameters), *entries]).ljust(2 + 2 * SLOTS, b"\0")
+        reply = self.request(GET_MANY, payload)
+        return reply[0], reply[1], [Value(*slot) for slot in struct.iter_unpack("<ib", reply[2:])]
+
+    def set_many(self, motor, entries):
+        """`entries` of (parameter, value, unit); error and offset."""
+        body = b"".join(struct.pack("<Bbi", *(p, unit, value)) for p, value, unit in entries)
+        reply = self.request(
+            SET_MANY, (bytes([motor, len(entries)]) + body).ljust(2 + 6 * SLOTS, b"\0")
+        )
+        return reply[0], reply[1]
+
+    def stage(self, motor):
+        return Stage(self.get(motor, MOTOR_STAGE).value)
+
+    def errors(self, motor):
+        return self.get(motor, ERROR_STATE).value
