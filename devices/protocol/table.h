@@ -1,7 +1,7 @@
 // How a protocol is declared: once, as constexpr data, one table per kind of thing.
 //
-//   constexpr CommandRow kCommands[] = {{.code = 0x00, .name = "StartMotor", .request = kMotorNr, ...}};
-//   constexpr ParameterRow kParameters[] = {{.id = 0x10, .name = "PolePairs", .range = {1, 100}, ...}};
+//   constexpr CommandRow kCommands[] = {{.code = 0x00, .name = "StartMotor", ...}, ...};
+//   constexpr ParameterRow kParameters[] = {{.id = 0x10, .name = "PolePairs", ...}, ...};
 //   constexpr ProtocolTable kTable = {.name = "...", .commands = kCommands, ...};
 //   static_assert(well_formed(kTable));
 //
@@ -39,8 +39,9 @@ enum class ByteOrder : std::uint8_t { kLittleEndian, kBigEndian };
 /// What a receiver listens for.
 enum class Direction : std::uint8_t { kRequest, kReply };
 
-/// A number as it lies on the wire. kText is one byte of a string. kParameter stands for the value of
-/// the parameter that the payload names: with_value() puts that parameter's own fields in its place.
+/// A number as it lies on the wire. kText is one byte of a string. kParameter stands for the value
+/// of the parameter that the payload names: with_value() puts that parameter's own fields in its
+/// place.
 enum class WireType : std::uint8_t { kU8, kI8, kU16, kI16, kU32, kI32, kText, kParameter };
 
 constexpr std::size_t width(WireType type) {
@@ -70,7 +71,7 @@ struct Field {
   std::string_view name;
   WireType type = WireType::kU8;
   std::size_t count = 1;
-  std::string_view unit = {};           // as printed; the wire value times `scale` is in this unit
+  std::string_view unit = {};  // as printed; the wire value times `scale` is in this unit
   double scale = 1;
   std::span<const Field> members = {};  // a group: `type` does not count
   bool optional = false;  // a sender may end before it: then it and all behind it read as zero
@@ -164,24 +165,25 @@ enum class Checksum : std::uint8_t {
 };
 
 struct Framing {
-  std::string_view name = {};  // where a drive knows several
+  std::string_view name = {};   // where a drive knows several
   std::string_view start = {};  // first bytes of a request
   std::string_view end = {};    // last bytes of a request; empty where a length rules
-  std::size_t length_at = 0;  // place of the byte that counts the payload; 0: the row tells
-  std::size_t overhead = 0;   // bytes of a frame besides those that this byte counts
+  std::size_t length_at = 0;    // place of the byte that counts the payload; 0: the row tells
+  std::size_t overhead = 0;     // bytes of a frame besides those that this byte counts
   Checksum checksum = Checksum::kNone;
   std::string_view checksum_span = {};  // in words, for the documents
   ByteOrder order = ByteOrder::kLittleEndian;
-  std::size_t longest = 0;              // bytes of the longest frame, both directions
+  std::size_t longest = 0;   // bytes of the longest frame, both directions
   SimDuration silence = {};  // a frame is given up after so long without a byte; 0: never
 };
 
 struct ProtocolTable {
-  std::string_view name;      // "toshiba-mcu"
+  std::string_view name;  // "toshiba-mcu"
   std::string_view title;
   std::string_view document;  // the maker's document, with its number and date
   Framing framing;
-  std::span<const Framing> other_framings = {};  // further ways to say the same, told by the first byte
+  std::span<const Framing> other_framings =
+      {};  // further ways to say the same, told by the first byte
   std::span<const CommandRow> commands;
   std::span<const CommandRow> functions = {};  // what one of the commands calls by number or name
   std::span<const ParameterRow> parameters;
@@ -194,8 +196,10 @@ constexpr const ParameterRow* find(std::span<const ParameterRow> rows, std::uint
   std::size_t low = 0;
   for (std::size_t high = rows.size(); low < high;) {
     const std::size_t middle = low + (high - low) / 2;
-    if (rows[middle].id < id) low = middle + 1;
-    else high = middle;
+    if (rows[middle].id < id)
+      low = middle + 1;
+    else
+      high = middle;
   }
   return low < rows.size() && rows[low].id == id ? &rows[low] : nullptr;
 }

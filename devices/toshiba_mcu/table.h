@@ -71,10 +71,12 @@ inline constexpr Field kHsDsoRequest[] = {{.name = "motor_nr"},
                                           {.name = "enable"},
                                           {.name = "selected", .type = WireType::kU32},
                                           {.name = "spread"}};
-inline constexpr Field kTurnRequest[] = {{.name = "motor_nr"},
-                                         {.name = "turns", .type = WireType::kI16},
-                                         {.name = "max_speed", .type = WireType::kU16, .unit = "rpm"}};
-inline constexpr Field kGetOneRequest[] = {{.name = "motor_nr"}, {.name = "id"}, {.name = "offset"}};
+inline constexpr Field kTurnRequest[] = {
+    {.name = "motor_nr"},
+    {.name = "turns", .type = WireType::kI16},
+    {.name = "max_speed", .type = WireType::kU16, .unit = "rpm"}};
+inline constexpr Field kGetOneRequest[] = {
+    {.name = "motor_nr"}, {.name = "id"}, {.name = "offset"}};
 inline constexpr Field kSetOneRequest[] = {{.name = "motor_nr"},
                                            {.name = "id"},
                                            {.name = "unit", .type = WireType::kI8},
@@ -108,14 +110,17 @@ inline constexpr Field kErrorCode[] = {{.name = "code", .type = WireType::kI8}};
 
 // --- Commands (4.1, 4.2) -------------------------------------------------------------------------
 
+// clang-format off
 inline constexpr CommandRow kCommands[] = {
     {.code = 0x00, .name = "StartMotor", .request = kMotorNr, .reply = kDummy, .source = "4.2.1",
      .doc = "Spins the motor up to the set speed and keeps it there."},
     {.code = 0x01, .name = "StopMotor", .request = kMotorNr, .reply = kDummy, .source = "4.2.2",
-     .doc = "Stops by ShutdownMode; leaves the Emergency stage. The heading prints 0x00, the frames 0x01."},
+     .doc = "Stops by ShutdownMode; leaves the Emergency stage. The heading prints 0x00, the "
+            "frames 0x01."},
     {.code = 0x02, .name = "GetMotorState", .request = kMotorNr, .reply = kMotorState,
      .source = "4.2.3",
-     .doc = "Speed, current, torque and tick; zeros but for the tick while stopped. The torque counts "
+     .doc = "Speed, current, torque and tick; zeros but for the tick while stopped. The torque "
+            "counts "
             "0.001 Ncm though labelled Ncm."},
     {.code = 0x03, .name = "StoreParameters", .request = kMotorNr, .reply = kDummy,
      .support = Support::kRejected, .source = "4.2.4",
@@ -139,7 +144,8 @@ inline constexpr CommandRow kCommands[] = {
     {.code = 0x0B, .name = "GetMotorParameters", .request = kGetManyRequest, .reply = kGetManyReply,
      .source = "4.2.12", .doc = "Reads up to eight parameters; eight slots on the wire, always."},
     {.code = 0x0C, .name = "SetMotorParameters", .request = kSetManyRequest, .reply = kSetManyReply,
-     .source = "4.2.13", .doc = "Writes up to eight parameters; stops at the first that is refused."},
+     .source = "4.2.13",
+     .doc = "Writes up to eight parameters; stops at the first that is refused."},
     {.code = 0x0D, .name = "DoLinearMotion", .request = kLinearRequest, .reply = kError,
      .support = Support::kRejected, .source = "4.2.14", .doc = "Motion control is not there yet."},
     {.code = 0x0E, .name = "GetAbsolutePosition", .request = kMotorNr, .reply = kPosition,
@@ -166,33 +172,45 @@ inline constexpr CommandRow kCommands[] = {
      .doc = "As 0x02, with the control method. The example prints big-endian fields; its CRC fits "
             "little-endian ones."},
 };
+// clang-format on
 
 /// The reply that takes the place of any other: 11 EE code CRC 13.
 inline constexpr CommandRow kErrorReply = {
-    .code = kErrorTelegram, .name = "Error", .request = {}, .reply = kErrorCode,
-    .evidence = Evidence::kObserved, .source = "3",
+    .code = kErrorTelegram,
+    .name = "Error",
+    .request = {},
+    .reply = kErrorCode,
+    .evidence = Evidence::kObserved,
+    .source = "3",
     .doc = "Instead of an answer: the telegram could not be taken or the request was refused."};
 
+// clang-format off
 inline constexpr CodeRow kErrors[] = {
-    {.code = 1, .name = "crc", .evidence = Evidence::kObserved, .doc = "The request's CRC does not fit."},
+    {.code = 1, .name = "crc", .evidence = Evidence::kObserved,
+     .doc = "The request's CRC does not fit."},
     {.code = -1, .name = "refused", .evidence = Evidence::kObserved,
      .doc = "Unknown channel or id, read-only, out of range, or switched off."},
     {.code = -2, .name = "not_ready", .evidence = Evidence::kObserved,
      .doc = "Not now: an error is pending, or data are not complete."},
 };
+// clang-format on
 
+// clang-format off
 inline constexpr CodeRow kFaults[] = {
-    {.code = 0, .name = "OverTemperature", .doc = "Over temperature; keeps the motor from starting."},
+    {.code = 0, .name = "OverTemperature",
+     .doc = "Over temperature; keeps the motor from starting."},
     {.code = 1, .name = "Emergency", .doc = "Emergency input of the motor driver block."},
     {.code = 2, .name = "OverVoltage", .doc = "Over-voltage input of the motor driver block."},
     {.code = 3, .name = "NoMotor", .doc = "No current flows in Force: the motor is disconnected."},
     {.code = 4, .name = "SwUnderVoltage", .doc = "DC link below SwUndervoltage."},
     {.code = 5, .name = "SwOverVoltage", .doc = "DC link above SwOvervoltage."},
     {.code = 6, .name = "SwOverCurrent", .doc = "Current above SwOvercurrent."},
-    {.code = 7, .name = "WrongDirection", .doc = "A speed against Direction was asked for (warning)."},
+    {.code = 7, .name = "WrongDirection",
+     .doc = "A speed against Direction was asked for (warning)."},
     {.code = 8, .name = "SpeedReduction", .doc = "The load reduces the target speed (warning)."},
     {.code = 9, .name = "StallDetected", .doc = "The field stalled."},
 };
+// clang-format on
 
 // --- Units (5.1) ---------------------------------------------------------------------------------
 
@@ -208,7 +226,9 @@ inline constexpr UnitCode kVoltageSensitivityUnits[] = {{-3, "mV/V"}};
 
 // --- Parameters (5.1) ----------------------------------------------------------------------------
 
-constexpr FactoryValue factory(UnitValue v) { return {v.value, v.unit}; }
+constexpr FactoryValue factory(UnitValue v) {
+  return {v.value, v.unit};
+}
 
 inline constexpr Range kAnyI32{INT32_MIN, INT32_MAX};
 inline constexpr Range kU16Range{0, 65535};
@@ -219,6 +239,7 @@ inline constexpr const ChannelSettings& kF = kFactorySettings;
 inline constexpr Range kSpeedRange{1, 200000};
 inline constexpr Range kSpeedChangeRange{1, 200001};
 
+// clang-format off
 inline constexpr ParameterRow kParameters[] = {
     {.id = 0x10, .name = "PolePairs", .range = {1, 100}, .factory = factory(kF.pole_pairs),
      .source = "5.1.1", .doc = "Pole pairs of the motor."},
@@ -226,7 +247,8 @@ inline constexpr ParameterRow kParameters[] = {
      .source = "5.1.2", .doc = "0 clockwise only, 1 counter-clockwise only, 2 both."},
     {.id = 0x12, .name = "MaxAngAcc", .range = {1, 10000},
      .factory = factory(kF.max_angular_acceleration), .units = kAccelerationUnits,
-     .source = "5.1.3", .doc = "Limit of the acceleration, of the electrical angle in rad/s2 and Hz/s."},
+     .source = "5.1.3",
+     .doc = "Limit of the acceleration, of the electrical angle in rad/s2 and Hz/s."},
     {.id = 0x13, .name = "TorqueFactor", .range = {0, 10000}, .factory = factory(kF.torque_factor),
      .units = kTorqueFactorUnits, .source = "5.1.4",
      .doc = "Torque per ampere, for the torque that the state telegrams tell."},
@@ -253,7 +275,8 @@ inline constexpr ParameterRow kParameters[] = {
     {.id = 0x1C, .name = "IdLimit", .range = {1, 10000}, .factory = factory(kF.id_limit),
      .units = kCurrentUnits, .source = "5.1.13", .doc = "Limits IdStart."},
     {.id = 0x1D, .name = "MotorId", .type = WireType::kText, .count = 20, .source = "5.1.14",
-     .doc = "Name of the motor; read and written four bytes at an offset. A write's offset stands in "
+     .doc = "Name of the motor; read and written four bytes at an offset. A write's offset stands "
+            "in "
             "the unit field, the only free one (assumed)."},
     {.id = 0x30, .name = "Encoder", .range = {0, 6}, .factory = factory(kF.encoder),
      .support = Support::kStored, .source = "5.1.15",
@@ -266,7 +289,8 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "Pulses per revolution."},
     {.id = 0x33, .name = "EncoderMinPos", .range = kAnyI32,
      .factory = factory(kF.encoder_min_position), .unit = "pulses", .support = Support::kStored,
-     .source = "5.1.18", .doc = "Lowest position of linear motion; unsigned 32 bits in the i32 field."},
+     .source = "5.1.18",
+     .doc = "Lowest position of linear motion; unsigned 32 bits in the i32 field."},
     {.id = 0x34, .name = "EncoderStartPos", .range = kAnyI32,
      .factory = factory(kF.encoder_start_position), .unit = "pulses", .support = Support::kStored,
      .source = "5.1.19", .doc = "Position that the present encoder value stands for."},
@@ -281,7 +305,8 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "Gear ratio 1:x."},
     {.id = 0x40, .name = "PiIdKi", .range = kU16Range, .factory = factory(kF.pi_id_ki),
      .source = "5.1.23",
-     .doc = "Integral gain of Id: a Q15 register of v_max per a_max and PWM period, whatever its label."},
+     .doc = "Integral gain of Id: a Q15 register of v_max per a_max and PWM period, whatever its "
+            "label."},
     {.id = 0x41, .name = "PiIdKp", .range = kU16Range, .factory = factory(kF.pi_id_kp),
      .source = "5.1.24", .doc = "Proportional gain of Id: a Q15 register of v_max per a_max."},
     {.id = 0x42, .name = "PiIqKi", .range = kU16Range, .factory = factory(kF.pi_iq_ki),
@@ -320,14 +345,18 @@ inline constexpr ParameterRow kParameters[] = {
      .factory = factory(kF.external_speed_control), .support = Support::kStored, .source = "5.1.39",
      .doc = "0 none, 1 ADC, 2 PWM, 3 servo -max..max, 4 servo 0..max."},
     {.id = 0x59, .name = "SwOvervoltage", .range = kU16Range, .factory = factory(kF.over_voltage),
-     .unit = "V", .source = "5.1.40", .doc = "DC link voltage above which the motor is switched off; 0 is off."},
+     .unit = "V", .source = "5.1.40",
+     .doc = "DC link voltage above which the motor is switched off; 0 is off."},
     {.id = 0x5A, .name = "SwUndervoltage", .range = kU16Range, .factory = factory(kF.under_voltage),
-     .unit = "V", .source = "5.1.41", .doc = "DC link voltage below which the motor is switched off; 0 is off."},
+     .unit = "V", .source = "5.1.41",
+     .doc = "DC link voltage below which the motor is switched off; 0 is off."},
     {.id = 0x5B, .name = "SwOvercurrent", .range = kU16Range, .factory = factory(kF.over_current),
-     .unit = "mA", .source = "5.1.42", .doc = "|Iq| above which the motor is switched off; 0 is off (assumed)."},
+     .unit = "mA", .source = "5.1.42",
+     .doc = "|Iq| above which the motor is switched off; 0 is off (assumed)."},
     {.id = 0x5C, .name = "SpeedReduction", .range = {0, 100}, .factory = factory(kF.speed_reduction),
      .unit = "%", .source = "5.1.43",
-     .doc = "Share of IqLimit above which the target follows the actual speed; 0 is off (assumed)."},
+     .doc = "Share of IqLimit above which the target follows the actual speed; 0 is off "
+            "(assumed)."},
     {.id = 0x70, .name = "Deadtime", .range = {0, 5000}, .factory = factory(kF.dead_time),
      .unit = "ns", .source = "5.1.44", .doc = "Dead time of the half bridges, rounded to 100 ns."},
     {.id = 0x71, .name = "BootstrapDelay", .range = {0, 1000},
@@ -340,7 +369,8 @@ inline constexpr ParameterRow kParameters[] = {
      .factory = factory(kF.voltage_sensitivity), .units = kVoltageSensitivityUnits,
      .source = "5.1.47", .doc = "What the firmware takes the DC link divider for."},
     {.id = 0x74, .name = "GainCurrentMeasure", .range = {0, 7}, .factory = factory(kF.current_gain),
-     .support = Support::kStored, .source = "5.1.48", .doc = "Gain code; this board's gain is fixed at 1."},
+     .support = Support::kStored, .source = "5.1.48",
+     .doc = "Gain code; this board's gain is fixed at 1."},
     {.id = 0x75, .name = "MeasurementType", .range = {1, 3}, .factory = factory(kF.measurement_type),
      .support = Support::kStored, .source = "5.1.49",
      .doc = "1 one shunt, 2 two sensors, 3 three shunts; this board measures with three."},
@@ -353,11 +383,13 @@ inline constexpr ParameterRow kParameters[] = {
      .support = Support::kStored, .source = "5.1.52",
      .doc = "Polarity of the high sides; the bridge follows whatever is set."},
     {.id = 0x90, .name = "FirmwareFeatures", .access = Access::kReadOnly, .range = kAnyI32,
-     .factory = {kIdentity.feature_bits}, .source = "5.1.53", .doc = "Compiled-in features, a bit each."},
+     .factory = {kIdentity.feature_bits}, .source = "5.1.53",
+     .doc = "Compiled-in features, a bit each."},
     {.id = 0x91, .name = "BoardRevision", .access = Access::kReadOnly, .range = {0, 255},
      .factory = {kIdentity.board_revision}, .source = "5.1.54", .doc = "Revision of the board."},
     {.id = 0x92, .name = "Channels", .access = Access::kReadOnly, .range = {0, 7},
-     .factory = {kIdentity.channels}, .source = "5.1.55", .doc = "Channels that are there, a bit each."},
+     .factory = {kIdentity.channels}, .source = "5.1.55",
+     .doc = "Channels that are there, a bit each."},
     {.id = 0x93, .name = "DsoSize", .access = Access::kReadOnly, .range = kU16Range,
      .factory = {kIdentity.dso_size}, .source = "5.1.56",
      .doc = "16-bit values that the oscilloscope holds."},
@@ -381,7 +413,8 @@ inline constexpr ParameterRow kParameters[] = {
      .factory = {20}, .unit = "%", .evidence = Evidence::kAssumed, .source = "5.1.64",
      .doc = "Load of the MCU: a constant, the simulation has no CPU."},
     {.id = 0xE0, .name = "Temperature", .access = Access::kReadOnly, .range = {-40, 150},
-     .factory = {25}, .unit = "degC", .source = "5.1.65", .doc = "Temperature of the board's sensor."},
+     .factory = {25}, .unit = "degC", .source = "5.1.65",
+     .doc = "Temperature of the board's sensor."},
     {.id = 0xE1, .name = "ErrorState", .access = Access::kReadOnly, .range = {0, 1023},
      .source = "5.1.66", .doc = "Error bits; the faults table names them."},
     {.id = 0xE2, .name = "DcLinkVoltage", .access = Access::kReadOnly, .range = kU16Range,
@@ -393,11 +426,13 @@ inline constexpr ParameterRow kParameters[] = {
     {.id = 0xE4, .name = "TurnNumber", .access = Access::kReadOnly, .range = kAnyI32,
      .support = Support::kRejected, .source = "5.1.69", .doc = "Turn control is not there yet."},
     {.id = 0xE5, .name = "Speed", .access = Access::kWriteOnly, .range = kAnyI32, .unit = "rpm",
-     .source = "5.1.70", .doc = "Target speed, clipped to SpeedLimit; negative is counter-clockwise."},
+     .source = "5.1.70",
+     .doc = "Target speed, clipped to SpeedLimit; negative is counter-clockwise."},
     {.id = 0xE6, .name = "Torque", .access = Access::kWriteOnly, .range = {0, INT32_MAX},
      .unit = "mNm", .support = Support::kRejected, .source = "5.1.71",
      .doc = "Torque control is not there yet."},
 };
+// clang-format on
 
 inline constexpr ProtocolTable kTable = {
     .name = "toshiba-mcu",
