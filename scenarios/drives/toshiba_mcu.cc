@@ -81,8 +81,7 @@ Assignment parse_assignment(std::string_view text) {
 class ToshibaMcuDrive final : public Drive {
  public:
   explicit ToshibaMcuDrive(const DriveContext& context)
-      : loop_(context.loop),
-        axes_(make_axes(context)),
+      : axes_(make_axes(context)),
         firmware_(context.loop, pointers(), context.seed),
         parameters_(firmware_),
         device_(context.loop, context.port, firmware_,
@@ -117,7 +116,6 @@ class ToshibaMcuDrive final : public Drive {
     return list;
   }
 
-  EventLoop& loop_;
   std::vector<Axis> axes_;
   Firmware firmware_;
   Parameters parameters_;
