@@ -1,5 +1,5 @@
-// What joins the host end of a line to the world outside: a pseudo-terminal, later a TCP port or a
-// real serial port. The runner asks three things of it.
+// What joins the host end of a line to the world outside: a pseudo-terminal, a TCP port or a real
+// serial port. The runner asks three things of it.
 #pragma once
 
 namespace virtdrive {

@@ -130,7 +130,7 @@ void PtyEndpoint::refresh_host_settings() {
   const TtySettings settings = inspect_host(master_.get());
   if (settings == host_settings_) return;
   host_settings_ = settings;
-  line_.set_host({settings.baud, settings.stop_bits});
+  line_.set_host({.baud = settings.baud, .stop_bits = settings.stop_bits});
 }
 
 // Waits for room in the kernel's queue, and leaves the host's bytes there while enough are queued.

@@ -36,6 +36,11 @@ std::vector<bool> levels(std::span<const std::uint8_t> bytes, const LineSettings
   return bits;
 }
 
+/// Stop bits do not matter: a receiver looks at the first one only.
+bool understand_each_other(const LineSettings& a, const LineSettings& b) {
+  return a.baud == b.baud && a.data_bits == b.data_bits && a.parity == b.parity;
+}
+
 bool close_enough(int a, int b) {
   return std::abs(a - b) <= SerialLine::kBaudTolerance * std::min(a, b);
 }
@@ -47,12 +52,12 @@ SimDuration LineSettings::time_of(std::int64_t count) const {
   return SimDuration{count * character_bits() * kNsPerSecond / baud};
 }
 
-std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, int from_baud, int to_baud,
-                                    const LineSettings& settings) {
+std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, const LineSettings& sender,
+                                    const LineSettings& listener) {
   // In units of 1 / (2 from to) s a sender's bit, a receiver's bit and half of it are integers.
-  const std::int64_t sender_bit = 2 * std::int64_t{to_baud};
-  const std::int64_t half = from_baud;
-  const std::vector<bool> bits = levels(bytes, settings);
+  const std::int64_t sender_bit = 2 * std::int64_t{listener.baud};
+  const std::int64_t half = sender.baud;
+  const std::vector<bool> bits = levels(bytes, sender);
   const auto index = [&](std::int64_t t) { return static_cast<std::size_t>(t / sender_bit); };
   const auto level = [&](std::int64_t t) { return index(t) >= bits.size() || bits[index(t)]; };
 
@@ -62,18 +67,18 @@ std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, int fro
     std::int64_t t = static_cast<std::int64_t>(edge) * sender_bit + half;
     if (!level(t)) {
       ResampledByte character;
-      for (int i = 0; i < settings.data_bits; ++i) {
+      for (int i = 0; i < listener.data_bits; ++i) {
         t += 2 * half;
         if (level(t)) character.byte |= static_cast<std::uint8_t>(1U << i);
       }
-      if (settings.parity != Parity::kNone) {
+      if (listener.parity != Parity::kNone) {
         t += 2 * half;
-        character.error = level(t) != parity_bit(character.byte, settings);
+        character.error = level(t) != parity_bit(character.byte, listener);
       }
       t += 2 * half;
       character.error |= !level(t);
-      character.arrival = SimDuration{static_cast<std::int64_t>(edge) * kNsPerSecond / from_baud +
-                                      settings.character_bits() * kNsPerSecond / to_baud};
+      character.arrival = SimDuration{static_cast<std::int64_t>(edge) * kNsPerSecond / sender.baud +
+                                      listener.character_bits() * kNsPerSecond / listener.baud};
       heard.push_back(character);
     }
     edge = index(t);
@@ -167,18 +172,21 @@ SerialLine::SerialLine(EventLoop& loop, const LineSettings& settings)
 
 void SerialLine::host_send(std::span<const std::uint8_t> bytes) {
   if (host_tap_) host_tap_(bytes, host_, loop_.now());
-  carry(to_device_, bytes, host_line(), settings_.baud);
+  carry(to_device_, bytes, host_line(), settings_);
 }
 
 SimTime SerialLine::device_send(std::span<const std::uint8_t> bytes) {
-  return carry(to_host_, bytes, settings_, host_line().baud);
+  return carry(to_host_, bytes, settings_, host_line());
 }
 
 SimTime SerialLine::carry(Lane& lane, std::span<const std::uint8_t> bytes,
-                          const LineSettings& sender, int listener_baud) {
-  if (sender.baud == listener_baud) return lane.send(bytes, sender);
+                          const LineSettings& sender, const LineSettings& listener) {
+  if (understand_each_other(sender, listener)) return lane.send(bytes, sender);
   counters_.garbled += bytes.size();
-  return lane.send(resample(bytes, sender.baud, listener_baud, settings_), bytes.size(), sender);
+  std::vector<ResampledByte> heard = resample(bytes, sender, listener);
+  // Who checks parity throws away what fails it.
+  if (listener.parity != Parity::kNone) std::erase_if(heard, std::mem_fn(&ResampledByte::error));
+  return lane.send(heard, bytes.size(), sender);
 }
 
 void SerialLine::set_baud(int baud) {
@@ -187,15 +195,16 @@ void SerialLine::set_baud(int baud) {
 }
 
 void SerialLine::set_host(const HostSettings& host) {
-  VIRTDRIVE_CHECK(host.baud >= 0 && host.stop_bits >= 0 && host.stop_bits <= 2,
-                  "a host of {} baud, {} stop bits", host.baud, host.stop_bits);
   host_ = host;
+  check_settings(host_line());
 }
 
 LineSettings SerialLine::host_line() const {
   LineSettings line = settings_;
   if (host_.baud != 0 && !close_enough(host_.baud, settings_.baud)) line.baud = host_.baud;
   if (host_.stop_bits != 0) line.stop_bits = host_.stop_bits;
+  if (host_.data_bits != 0) line.data_bits = host_.data_bits;
+  if (host_.parity) line.parity = *host_.parity;
   return line;
 }
 

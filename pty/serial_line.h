@@ -6,14 +6,15 @@
 //
 // A byte is heard in Phase::kBytes at the instant its last bit has arrived: character n of a burst
 // that starts at t arrives at t + (n + 1) character times, computed from the burst's start, so that
-// no rounding adds up. A host set to another baud rate hears, and causes, what hardware would give:
-// garbage.
+// no rounding adds up. A host set to another baud rate, size or parity hears, and causes, what
+// hardware would give: garbage, and silence where a receiver checks a parity that is wrong.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -44,16 +45,18 @@ struct LineSettings {
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 
-/// What the host has set its own end to; 0: the same as the line. Parity is not here: a
-/// pseudo-terminal does not let it be seen.
+/// What the host has set its own end to; 0 or nothing: the same as the line. A pseudo-terminal lets
+/// only the first two be seen, RFC 2217 all of them.
 struct HostSettings {
   int baud = 0;
   int stop_bits = 0;
+  int data_bits = 0;
+  std::optional<Parity> parity = std::nullopt;
 
   friend bool operator==(const HostSettings&, const HostSettings&) = default;
 };
 
-/// A byte as a receiver at another baud rate reads it.
+/// A byte as a receiver with other settings reads it.
 struct ResampledByte {
   std::uint8_t byte = 0;
   SimDuration arrival{};  // end of its stop bit, from the start of the burst
@@ -62,19 +65,19 @@ struct ResampledByte {
   friend bool operator==(const ResampledByte&, const ResampledByte&) = default;
 };
 
-/// What a UART at `to_baud` makes of a burst sent at `from_baud`: it waits for a falling edge and
-/// samples in the middle of each of its own bits; after a low stop bit it waits for a high line.
-/// Both ends frame as `settings` says (its own baud rate is not used); the line is idle before and
-/// after. Baud rates up to about 5 % apart give the bytes back unchanged.
-std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, int from_baud, int to_baud,
-                                    const LineSettings& settings);
+/// What a UART set as `listener` makes of a burst sent by one set as `sender`: it waits for a
+/// falling edge and samples in the middle of each of its own bits; after a low stop bit it waits
+/// for a high line. The line is idle before and after. Baud rates up to about 5 % apart give the
+/// bytes back unchanged.
+std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, const LineSettings& sender,
+                                    const LineSettings& listener);
 
 struct LineCounters {
   std::uint64_t to_device = 0;       // bytes heard by the device
   std::uint64_t to_host = 0;         // bytes heard by the host end
   std::uint64_t to_device_lost = 0;  // dropped: kMaxQueued characters were waiting to leave
   std::uint64_t to_host_lost = 0;
-  std::uint64_t garbled = 0;  // bytes sent at a baud rate that the other end does not have
+  std::uint64_t garbled = 0;  // bytes sent at a baud rate, size or parity the other end has not
 };
 
 class SerialLine {
@@ -160,9 +163,8 @@ class SerialLine {
   };
 
   SimTime device_send(std::span<const std::uint8_t> bytes);
-  /// Sends from an end set as `sender` to one that listens at `listener_baud`.
   SimTime carry(Lane& lane, std::span<const std::uint8_t> bytes, const LineSettings& sender,
-                int listener_baud);
+                const LineSettings& listener);
   LineSettings host_line() const;
 
   EventLoop& loop_;

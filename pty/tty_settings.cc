@@ -1,5 +1,6 @@
 #include "pty/tty_settings.h"
 
+#include <algorithm>
 #include <array>
 #include <asm/termbits.h>
 #include <sys/ioctl.h>
@@ -31,6 +32,13 @@ tcflag_t baud_code(int baud) {
   return BOTHER;
 }
 
+constexpr std::array<tcflag_t, 4> kDataBits = {CS5, CS6, CS7, CS8};
+
+tcflag_t parity_flags(Parity parity) {
+  if (parity == Parity::kNone) return 0;
+  return parity == Parity::kOdd ? PARENB | PARODD : PARENB;
+}
+
 }  // namespace
 
 // glibc's tcsetattr fails with EINVAL if the kernel dropped PARENB, as it does on a
@@ -55,15 +63,39 @@ bool set_raw(int fd, const TtySettings& settings, RawFor whom) {
   // For nobody: IGNBRK without CLOCAL. A program that makes a terminal raw clears IGNBRK
   // (cfmakeraw, pyserial) or sets CLOCAL (minicom, libmodbus); no break and no carrier exist on a
   // pseudo-terminal, so neither flag does anything. See inspect_host for what it is good for.
-  t.c_iflag = whom == RawFor::kNobody ? IGNBRK : 0;
+  t.c_iflag = (whom == RawFor::kNobody ? IGNBRK : 0) |
+              (settings.parity == Parity::kNone ? 0 : INPCK | IGNPAR);
   t.c_oflag = 0;
   t.c_lflag = 0;
-  t.c_cflag = CS8 | CREAD | (whom == RawFor::kNobody ? 0 : CLOCAL) |
-              (settings.stop_bits == 2 ? CSTOPB : 0) | baud_code(settings.baud);
+  t.c_cflag = kDataBits[settings.data_bits - 5] | parity_flags(settings.parity) | CREAD |
+              (whom == RawFor::kNobody ? 0 : CLOCAL) | (settings.stop_bits == 2 ? CSTOPB : 0) |
+              baud_code(settings.baud);
   t.c_ispeed = t.c_ospeed = static_cast<speed_t>(settings.baud);
   t.c_cc[VMIN] = 1;
   t.c_cc[VTIME] = 0;
   return ioctl(fd, TCSETS2, &t) == 0;
+}
+
+TtySettings inspect_own(int fd) {
+  termios2 t{};
+  if (ioctl(fd, TCGETS2, &t) != 0) return {};
+  const auto data_bits = std::ranges::find(kDataBits, t.c_cflag & CSIZE);
+  return {.baud = static_cast<int>(t.c_ospeed),
+          .stop_bits = (t.c_cflag & CSTOPB) != 0 ? 2 : 1,
+          .data_bits = 5 + static_cast<int>(data_bits - kDataBits.begin()),
+          .parity = (t.c_cflag & PARENB) == 0   ? Parity::kNone
+                    : (t.c_cflag & PARODD) == 0 ? Parity::kEven
+                                                : Parity::kOdd};
+}
+
+std::shared_ptr<const termios2> save_settings(int fd) {
+  auto saved = std::make_shared<termios2>();
+  if (ioctl(fd, TCGETS2, saved.get()) != 0) return nullptr;
+  return saved;
+}
+
+void restore_settings(int fd, const std::shared_ptr<const termios2>& saved) {
+  if (saved) ioctl(fd, TCSETS2, saved.get());
 }
 
 void discard_unread(int fd) {

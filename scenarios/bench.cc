@@ -5,12 +5,20 @@
 #include <numbers>
 #include <utility>
 
+#include "scenarios/nvm_file.h"
+
 namespace virtdrive {
 namespace {
 
 constexpr double kRpmPerRadps = 30 / std::numbers::pi;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::unique_ptr<NonVolatileMemory> open_memory(const BenchOptions& options,
+                                               std::string_view drive) {
+  if (options.nvm.empty()) return std::make_unique<MemoryInProcess>();
+  return std::make_unique<NvmFile>(options.nvm, drive, options.notes);
+}
 
 }  // namespace
 
@@ -19,9 +27,11 @@ Bench::Bench(const BenchOptions& options)
       motor_(find_motor(options.motor.empty() ? kind_.default_motor : options.motor)),
       seed_(options.seed),
       line_(loop_, {.timing = options.line, .baud = options.baud.value_or(kind_.default_baud)}),
+      memory_(open_memory(options, kind_.name)),
       drive_(kind_.make({.loop = loop_,
                          .port = line_.device_port(),
                          .seed = seed_,
+                         .memory = *memory_,
                          .motor = motor_,
                          .integrator = options.integrator,
                          .ideal_line = options.line == LineTiming::kIdeal,

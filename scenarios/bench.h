@@ -33,6 +33,7 @@ struct BenchOptions {
   Integrator integrator = Integrator::kDefault;
   bool lenient = false;
   std::vector<std::string> set;  // "NAME=VALUE"
+  std::string nvm;               // file of the drive's non-volatile memory; empty: none is kept
   WireListener listener;
   NoteListener notes;
 };
@@ -61,6 +62,7 @@ class Bench {
   Seed seed_;
   EventLoop loop_;
   SerialLine line_;
+  std::unique_ptr<NonVolatileMemory> memory_;
   std::unique_ptr<Drive> drive_;
   Registry registry_;
   std::vector<LoadStep> load_steps_;

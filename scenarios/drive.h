@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/event_loop.h"
+#include "core/nvm.h"
 #include "core/random.h"
 #include "core/signals.h"
 #include "devices/host_transport.h"
@@ -24,6 +25,7 @@ struct DriveContext {
   EventLoop& loop;
   SerialPort& port;  // its transmitter
   const Seed& seed;
+  NonVolatileMemory& memory;
   const Motor& motor;  // at each of its channels
   Integrator integrator = Integrator::kDefault;
   bool ideal_line = false;  // answers at once

@@ -1,5 +1,6 @@
 #include "devices/toshiba_mcu/device.h"
 
+#include <cstdlib>
 #include <fmt/format.h>
 #include <utility>
 
@@ -13,17 +14,21 @@ using namespace std::chrono_literals;
 
 constexpr SimDuration kLenientSilence = 100ms;
 constexpr std::int64_t kCrcError = 1;
-constexpr std::int64_t kSpeedControl = 1;
+constexpr std::int64_t kInvalidParameter = 1;
 
 constexpr auto kHandlers = std::to_array<protocol::Binding<Device::Handler>>({
     {0x00, &Device::start_motor},
     {0x01, &Device::stop_motor},
     {0x02, &Device::motor_state},
+    {0x03, &Device::store_parameters},
+    {0x04, &Device::clear_parameters},
     {0x09, &Device::get_one},
     {0x0A, &Device::set_one},
     {0x0B, &Device::get_many},
     {0x0C, &Device::set_many},
+    {0x10, &Device::start_torque_control},
     {0x11, &Device::control_method},
+    {0x12, &Device::set_control_method},
     {0x14, &Device::version},
     {0x23, &Device::extended_state},
 });
@@ -36,12 +41,12 @@ constexpr std::int64_t error_code(Outcome outcome) {
 
 }  // namespace
 
-Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
-               WireListener listener, NoteListener notes)
+Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatileMemory& memory,
+               DeviceOptions options, WireListener listener, NoteListener notes)
     : loop_(loop),
       port_(port),
       firmware_(firmware),
-      parameters_(firmware),
+      parameters_(firmware, memory),
       options_(options),
       listener_(std::move(listener)),
       notes_(std::move(notes)),
@@ -50,7 +55,9 @@ Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOpti
       silence_(loop.add(Phase::kDevice, [this] {
         tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "cut short, given up");
         decoder_.reset();
-      })) {}
+      })) {
+  parameters_.restore();
+}
 
 // --- Listening -----------------------------------------------------------------------------------
 
@@ -204,13 +211,46 @@ Outcome Device::motor_state(const Values& request, Values& reply) {
 Outcome Device::control_method(const Values& request, Values& reply) {
   const PowerBoard* board = this->board(request[0]);
   if (board == nullptr) return Outcome::kRefused;
-  reply.push(board->channel().pwm_active() ? kSpeedControl : 0);
+  reply.push(static_cast<std::int64_t>(board->channel().method()));
   return Outcome::kDone;
 }
 
 Outcome Device::extended_state(const Values& request, Values& reply) {
-  if (motor_state(request, reply) != Outcome::kDone) return Outcome::kRefused;
+  const PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  const MotorChannel& channel = board->channel();
+  if (channel.method() != Method::kTorque) {
+    motor_state(request, reply);
+  } else {
+    reply = {channel.torque(), channel.target_torque(), channel.current_ma(),
+             std::abs(channel.actual_rpm()), firmware_.tick()};
+  }
   return control_method(request, reply);
+}
+
+Outcome Device::start_torque_control(const Values& request, Values&) {
+  PowerBoard* board = this->board(request[0]);
+  return board == nullptr ? Outcome::kRefused : board->start_torque_control();
+}
+
+Outcome Device::set_control_method(const Values& request, Values& reply) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  const auto method = static_cast<Method>(request[1]);
+  const bool valid = method == Method::kSpeed || method == Method::kTorque;
+  if (valid) board->set_method(method);
+  reply.push(valid ? 0 : kInvalidParameter);
+  return Outcome::kDone;
+}
+
+Outcome Device::store_parameters(const Values& request, Values&) {
+  const bool stored =
+      board(request[0]) != nullptr && parameters_.store(static_cast<std::size_t>(request[0]));
+  return stored ? Outcome::kDone : Outcome::kRefused;
+}
+
+Outcome Device::clear_parameters(const Values&, Values&) {
+  return parameters_.clear() ? Outcome::kDone : Outcome::kRefused;
 }
 
 Outcome Device::version(const Values&, Values& reply) {

@@ -30,11 +30,13 @@ struct DeviceOptions {
 
 class Device final : public SerialReceiver {
  public:
-  Device(EventLoop& loop, SerialPort& port, Firmware& firmware, DeviceOptions options,
-         WireListener listener = nullptr, NoteListener notes = nullptr);
+  /// Begins as after a reset: with the settings that `memory` holds.
+  Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatileMemory& memory,
+         DeviceOptions options, WireListener listener = nullptr, NoteListener notes = nullptr);
 
   void receive(std::uint8_t byte) override;
   const WireCounters& counters() const { return counters_; }
+  Parameters& parameters() { return parameters_; }
 
   /// A handler reads the request's values and appends the reply's.
   using Handler = Outcome (Device::*)(const protocol::Values& request, protocol::Values& reply);
@@ -42,6 +44,10 @@ class Device final : public SerialReceiver {
   Outcome start_motor(const protocol::Values& request, protocol::Values& reply);
   Outcome stop_motor(const protocol::Values& request, protocol::Values& reply);
   Outcome motor_state(const protocol::Values& request, protocol::Values& reply);
+  Outcome store_parameters(const protocol::Values& request, protocol::Values& reply);
+  Outcome clear_parameters(const protocol::Values& request, protocol::Values& reply);
+  Outcome start_torque_control(const protocol::Values& request, protocol::Values& reply);
+  Outcome set_control_method(const protocol::Values& request, protocol::Values& reply);
   Outcome get_one(const protocol::Values& request, protocol::Values& reply);
   Outcome set_one(const protocol::Values& request, protocol::Values& reply);
   Outcome get_many(const protocol::Values& request, protocol::Values& reply);

@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <optional>
 #include <span>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "devices/protocol/binding.h"
+#include "devices/protocol/payload.h"
+#include "devices/toshiba_mcu/codec.h"
 
 namespace virtdrive::toshiba_mcu {
 namespace {
@@ -44,6 +50,7 @@ constexpr ReadChannel kDcLinkVoltage = [](PowerBoard& b) {
 constexpr ReadChannel kMotorStage = [](PowerBoard& b) {
   return static_cast<std::int32_t>(b.channel().stage());
 };
+constexpr WriteChannel kSetTorque = [](PowerBoard& b, std::int32_t mnm) { b.set_torque_mnm(mnm); };
 constexpr WriteChannel kSetSpeed = [](PowerBoard& b, std::int32_t rpm) { b.set_speed_rpm(rpm); };
 
 using S = ChannelSettings;
@@ -118,6 +125,7 @@ constexpr auto kBindings = std::to_array<Binding<Target>>({
     {0xE2, kDcLinkVoltage},
     {0xE3, kMotorStage},
     {0xE5, kSetSpeed},
+    {0xE6, kSetTorque},
 });
 static_assert(protocol::covers(kTable.parameters, kBindings),
               "a parameter that is not rejected has nothing behind it, or the reverse");
@@ -147,6 +155,7 @@ bool is_board_or_system_setting(std::uint8_t id) {
 
 constexpr std::uint8_t kSpeedChangeId = 0x17;
 constexpr std::uint8_t kDeadtimeId = 0x70;
+constexpr std::uint8_t kTorqueId = 0xE6;
 
 // SpeedChange reaches up to one Hz above SpeedLimit, whatever their units (5.1.8).
 bool speed_change_fits(const ChannelSettings& settings) {
@@ -159,6 +168,59 @@ UnitValue stored_form(const ParameterRow& row, UnitValue value) {
   if (row.units.empty()) value.unit = 0;
   if (row.id == kDeadtimeId) value.value = (value.value + 50) / 100 * 100;  // steps of 100 ns
   return value;
+}
+
+// A channel's settings as they lie in the memory: firmware version, then {id, unit, value} of each
+// setting and {id, text} of each name, then the CRC of all that.
+std::string block_name(std::size_t channel) {
+  return fmt::format("channel{}", channel);
+}
+
+std::vector<std::uint8_t> to_block(const ChannelSettings& settings) {
+  std::vector<std::uint8_t> block = {kIdentity.version_major, kIdentity.version_minor};
+  for (const Binding<Target>& binding : kBindings) {
+    const auto id = static_cast<std::uint8_t>(binding.id);
+    if (const Setting* setting = std::get_if<Setting>(&binding.target)) {
+      const UnitValue& value = settings.**setting;
+      protocol::pack(kSetEntry, kTable.framing.order, {id, value.unit, value.value}, block);
+    } else if (const Text* text = std::get_if<Text>(&binding.target)) {
+      block.push_back(id);
+      for (const char c : settings.**text) block.push_back(static_cast<std::uint8_t>(c));
+    }
+  }
+  block.push_back(crc8(0, block));
+  return block;
+}
+
+std::optional<ChannelSettings> from_block(std::span<const std::uint8_t> block) {
+  ChannelSettings settings;
+  if (block.size() != to_block(settings).size()) return std::nullopt;
+  if (block[0] != kIdentity.version_major || block[1] != kIdentity.version_minor ||
+      crc8(0, block.first(block.size() - 1)) != block.back()) {
+    return std::nullopt;
+  }
+  block = block.subspan(2);
+  for (const Binding<Target>& binding : kBindings) {
+    if (const Setting* setting = std::get_if<Setting>(&binding.target)) {
+      const auto entry = block.first(protocol::width(kSetEntry));
+      const auto values = protocol::unpack(kSetEntry, kTable.framing.order, entry);
+      UnitValue& value = settings.**setting;
+      value = {static_cast<std::int32_t>(values[2]), static_cast<std::int8_t>(values[1])};
+      const ParameterRow* row = protocol::find(kTable.parameters, binding.id);
+      if (values[0] != binding.id ||
+          protocol::check_write(row, value.value, value.unit) != Refusal::kNone) {
+        return std::nullopt;
+      }
+      block = block.subspan(entry.size());
+    } else if (const Text* text = std::get_if<Text>(&binding.target)) {
+      Name& name = settings.**text;
+      if (block[0] != binding.id) return std::nullopt;
+      std::ranges::transform(block.subspan(1, name.size()), name.begin(),
+                             [](std::uint8_t byte) { return static_cast<char>(byte); });
+      block = block.subspan(1 + name.size());
+    }
+  }
+  return settings;
 }
 
 template <class... Visitors>
@@ -226,12 +288,28 @@ Outcome Parameters::write(std::uint8_t motor_nr, std::uint8_t id, UnitValue valu
                           return Outcome::kDone;
                         },
                         [&](WriteChannel set) {
+                          if (id == kTorqueId && value.value > board.channel().torque_limit_mnm()) {
+                            return Outcome::kRefused;
+                          }
                           set(board, value.value);
                           return Outcome::kDone;
                         },
                         [](auto) { return Outcome::kRefused; },
                     },
                     *protocol::find(kBindings, id));
+}
+
+bool Parameters::store(std::size_t channel) {
+  return memory_.write(block_name(channel),
+                       to_block(firmware_.board(channel).channel().settings()));
+}
+
+void Parameters::restore() {
+  for (std::size_t channel = 0; channel < firmware_.channels(); ++channel) {
+    const auto block = memory_.read(block_name(channel));
+    const auto settings = block ? from_block(*block) : std::nullopt;
+    firmware_.board(channel).set_settings(settings.value_or(kFactorySettings));
+  }
 }
 
 }  // namespace virtdrive::toshiba_mcu

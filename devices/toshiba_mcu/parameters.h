@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/nvm.h"
 #include "devices/toshiba_mcu/table.h"
 #include "firmware_models/toshiba_mcu/firmware.h"
 
@@ -11,7 +12,8 @@ namespace virtdrive::toshiba_mcu {
 
 class Parameters {
  public:
-  explicit Parameters(Firmware& firmware) : firmware_(firmware) {}
+  Parameters(Firmware& firmware, NonVolatileMemory& memory)
+      : firmware_(firmware), memory_(memory) {}
 
   /// `motor_nr` is a channel, or 0xFF for the system. kRefused if the channel or the id is unknown,
   /// the parameter write-only, or not the system's.
@@ -19,8 +21,16 @@ class Parameters {
   /// kRefused, and nothing written, also for a value out of range and an unlisted unit.
   Outcome write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value);
 
+  /// Keeps a channel's settings; false if the memory failed.
+  bool store(std::size_t channel);
+  bool clear() { return memory_.erase(); }
+  /// What a reset does: settings that were stored by this firmware version, and are whole, take the
+  /// place of the factory's.
+  void restore();
+
  private:
   Firmware& firmware_;
+  NonVolatileMemory& memory_;
 };
 
 }  // namespace virtdrive::toshiba_mcu

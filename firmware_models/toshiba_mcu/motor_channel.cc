@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace virtdrive::toshiba_mcu {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr int kZeroCurrentPeriods = 4;
+constexpr double kCommandLag = 0.1;     // of torque control: the command follows the speed in 10 ms
+constexpr double kMostTorqueMnm = 2e7;  // 100 times that still fits the telegram's 32 bits
 constexpr double kForceHysteresis = 0.95;  // FOC falls back to Force at 5 % below SpeedChange
 constexpr double kEmergencyVoltage =
     30;  // the driver block's over-voltage pin, 24 V board; assumed
@@ -52,9 +55,34 @@ Outcome MotorChannel::start() {
   if ((errors_ & bit(Fault::kOverTemperature)) != 0) return Outcome::kNotReady;
   if (scaling_.pwm_period == SimDuration{}) return Outcome::kRefused;
   errors_ = 0;
+  method_ = std::exchange(next_method_, Method::kSpeed);
   position_delay_ms_ = settings_.position_delay.value;
   enter(Stage::kBootstrap);
   return Outcome::kDone;
+}
+
+Outcome MotorChannel::start_torque_control() {
+  if (stage_ == Stage::kStop) next_method_ = Method::kTorque;
+  const Outcome outcome = start();
+  if (outcome != Outcome::kDone) next_method_ = Method::kSpeed;
+  return outcome;
+}
+
+void MotorChannel::set_method(Method method) {
+  if (!pwm_active()) {
+    next_method_ = method;
+    return;
+  }
+  if (method == method_) return;
+  // Without a bump: the integral part goes on from the present reference, the ramp from the speed.
+  iq_integral_a_ = now_.iq_ref_a;
+  if (torque_controlled()) now_.command_hz = now_.omega_hz;
+  method_ = method;
+}
+
+std::int32_t MotorChannel::torque_limit_mnm() const {
+  const double limit = scaling_.iq_limit_a * scaling_.torque_nm_per_a * 1000;
+  return static_cast<std::int32_t>(std::min(limit + 0.5, kMostTorqueMnm));
 }
 
 Outcome MotorChannel::stop() {
@@ -73,6 +101,7 @@ Outcome MotorChannel::stop() {
       enter(Stage::kBrake);
       break;
     default:
+      set_method(Method::kSpeed);  // a ramp is a matter of speed
       if (!rpm_before_stop_) rpm_before_stop_ = set_rpm_;
       set_target(0);
   }
@@ -93,7 +122,7 @@ void MotorChannel::set_speed_rpm(std::int32_t rpm) {
 
 void MotorChannel::set_target(std::int32_t rpm) {
   set_rpm_ = rpm;
-  reduced_target_hz_.reset();
+  end_speed_reduction();
 }
 
 // --- What the host can read ----------------------------------------------------------------------
@@ -125,7 +154,11 @@ std::uint32_t MotorChannel::current_ma() const {
 std::uint32_t MotorChannel::torque() const {
   // 34 mNm/A and 60 mA give 204, as in the document's example.
   const double factor = scaling_.torque_nm_per_a * 1000;
-  return static_cast<std::uint32_t>(factor * current_ma() / 10);
+  return static_cast<std::uint32_t>(std::min(factor * current_ma() / 10, 4294967295.0));
+}
+
+std::int32_t MotorChannel::target_torque() const {
+  return pwm_active() ? torque_mnm_ * 100 : 0;  // 1 mNm is 0.1 Ncm
 }
 
 // --- Stages --------------------------------------------------------------------------------------
@@ -138,6 +171,7 @@ void MotorChannel::enter(Stage stage) {
     case Stage::kStop:
     case Stage::kEmergency:
       output_.mode = Bridge::kOff;
+      forget_measurements();
       break;
     case Stage::kBootstrap:
       output_.mode = Bridge::kShort;
@@ -149,6 +183,7 @@ void MotorChannel::enter(Stage stage) {
     case Stage::kBrake:
       output_.mode = Bridge::kShort;
       output_.short_share = settings_.brake_percentage.value / 100.0;
+      forget_measurements();
       break;
     case Stage::kZeroCurrentMeasure:
       output_.mode = Bridge::kOff;
@@ -161,6 +196,7 @@ void MotorChannel::enter(Stage stage) {
       cosine_ = 1;
       break;
     case Stage::kForce:
+      end_speed_reduction();
       if (from == Stage::kFoc) break;
       iq_integral_a_ = with_sign_of(scaling_.iq_start_a, set_rpm_ < 0 ? -1 : 1);
       break;
@@ -170,12 +206,17 @@ void MotorChannel::enter(Stage stage) {
       good_emf_per_hz_ = 0;
       break;
   }
-  if (from == Stage::kZeroCurrentMeasure) d_ = q_ = {};
+  if (from == Stage::kZeroCurrentMeasure) d_integral_v_ = q_integral_v_ = 0;
+}
+
+// Nothing is measured or controlled any more; the angle may still be of use.
+void MotorChannel::forget_measurements() {
+  now_ = {.theta_turns = now_.theta_turns};
 }
 
 void MotorChannel::halt() {
   rpm_before_stop_.reset();
-  reduced_target_hz_.reset();
+  end_speed_reduction();
   restart_in_polls_ = 0;
   angle_known_ = false;
   enter(Stage::kStop);
@@ -184,6 +225,7 @@ void MotorChannel::halt() {
 void MotorChannel::trip(Fault fault) {
   errors_ |= bit(fault);
   rpm_before_stop_.reset();
+  end_speed_reduction();
   angle_known_ = false;
   enter(Stage::kEmergency);
 }
@@ -226,32 +268,42 @@ void MotorChannel::millisecond(const AdcReading& reading) {
   omega_index_ = (omega_index_ + 1) % omega_history_hz_.size();
 }
 
+double MotorChannel::target_hz() const {
+  return reduced_target_hz_.value_or(set_rpm_ * scaling_.pole_pairs / 60);
+}
+
 void MotorChannel::ramp_command() {
-  const double target = reduced_target_hz_.value_or(set_rpm_ * scaling_.pole_pairs / 60);
+  if (torque_controlled()) {
+    // The estimator wants the command near the true speed.
+    now_.command_hz += kCommandLag * (now_.omega_hz - now_.command_hz);
+    return;
+  }
+  const double target = target_hz();
   const double step = scaling_.acceleration_hz_per_s * 1e-3;
   now_.command_hz += std::clamp(target - now_.command_hz, -step, step);
 }
 
 void MotorChannel::reduce_speed() {
-  const bool over =
-      scaling_.speed_reduction_a > 0 && std::abs(now_.iq_ref_a) > scaling_.speed_reduction_a;
-  if (over) {
+  const double limit = scaling_.speed_reduction_a;
+  if (method_ == Method::kSpeed && limit > 0 && std::abs(now_.iq_ref_a) > limit) {
     reduced_target_hz_ = now_.omega_hz;
     errors_ |= bit(Fault::kSpeedReduction);
-  } else if (reduced_target_hz_) {
-    reduced_target_hz_.reset();
-    errors_ &= ~bit(Fault::kSpeedReduction);
+  } else {
+    end_speed_reduction();
   }
+}
+
+void MotorChannel::end_speed_reduction() {
+  reduced_target_hz_.reset();
+  errors_ &= ~bit(Fault::kSpeedReduction);
 }
 
 void MotorChannel::watch_bus(const AdcReading& reading) {
   const double volts = reading.bus_counts * scaling_.bus_v_per_count;
   const std::int32_t over = settings_.over_voltage.value;
   const std::int32_t under = settings_.under_voltage.value;
-  if (over > 0 && volts > over)
-    trip(Fault::kSoftwareOverVoltage);
-  else if (under > 0 && volts < under)
-    trip(Fault::kSoftwareUnderVoltage);
+  if (over > 0 && volts > over) trip(Fault::kSoftwareOverVoltage);
+  if (under > 0 && volts < under) trip(Fault::kSoftwareUnderVoltage);
 }
 
 void MotorChannel::poll() {
@@ -274,7 +326,7 @@ void MotorChannel::watch_stall() {
     return;
   }
   const double sign = now_.omega_hz < 0 ? -1 : 1;
-  const double vqi = sign * q_.integral_v;
+  const double vqi = sign * q_integral_v_;
   const double emf_per_hz = (vqi - scaling_.resistance_ohm * sign * now_.iq_ref_a) /
                             std::max(std::abs(now_.omega_hz), 1e-3);
   if (vqi >= scaling_.stall_voltage_v && emf_per_hz >= kStallEmfRatio * good_emf_per_hz_) {
@@ -312,7 +364,7 @@ void MotorChannel::pwm_interrupt(const AdcReading& reading) {
   measure(reading);
   if (protect(reading)) return;
   advance_angle();
-  control_speed();
+  set_current_reference();
   control_currents();
 }
 
@@ -368,8 +420,10 @@ void MotorChannel::advance_angle() {
       // The d-axis back-EMF is zero when the frame lies on the rotor, positive when it leads.
       const double emf_d = now_.vd_v - scaling_.resistance_ohm * now_.id_a +
                            kTwoPi * now_.omega_hz * scaling_.inductance_h * now_.iq_a;
-      now_.omega_hz =
+      const double estimate =
           now_.command_hz - with_sign_of(scaling_.position_kp_hz_per_v, now_.command_hz) * emf_d;
+      // The register ends at full scale.
+      now_.omega_hz = std::clamp(estimate, -scaling_.full_scale_hz, scaling_.full_scale_hz);
       break;
     }
     default:
@@ -382,15 +436,34 @@ void MotorChannel::advance_angle() {
   cosine_ = std::cos(kTwoPi * now_.theta_turns);
 }
 
-void MotorChannel::control_speed() {
+void MotorChannel::set_current_reference() {
   now_.id_ref_a = 0;
   if (stage_ != Stage::kFoc) {
     if (stage_ == Stage::kForce && now_.command_hz != 0) {
       iq_integral_a_ = with_sign_of(scaling_.iq_start_a, now_.command_hz);
     }
     now_.iq_ref_a = iq_integral_a_;
-    return;
+  } else if (method_ == Method::kTorque) {
+    control_torque();
+  } else {
+    control_speed();
   }
+}
+
+// The torque asked for, lowered by the speed controller when the set speed is reached.
+void MotorChannel::control_torque() {
+  const double sign = set_rpm_ < 0 ? -1 : 1;
+  const double wanted =
+      scaling_.torque_nm_per_a > 0 ? torque_mnm_ * 1e-3 / scaling_.torque_nm_per_a : 0;
+  const double limit = std::min(wanted, scaling_.iq_limit_a);
+  const double error = sign * (target_hz() - now_.omega_hz);
+  const double integral =
+      std::clamp(sign * iq_integral_a_ + scaling_.speed_ki_a_per_hz * error, 0.0, limit);
+  iq_integral_a_ = sign * integral;
+  now_.iq_ref_a = sign * std::clamp(integral + scaling_.speed_kp_a_per_hz * error, 0.0, limit);
+}
+
+void MotorChannel::control_speed() {
   const double limit = scaling_.iq_limit_a;
   const double error = now_.command_hz - now_.omega_hz;
   iq_integral_a_ = std::clamp(iq_integral_a_ + scaling_.speed_ki_a_per_hz * error, -limit, limit);
@@ -400,10 +473,10 @@ void MotorChannel::control_speed() {
 void MotorChannel::control_currents() {
   const double error_d = now_.id_ref_a - now_.id_a;
   const double error_q = now_.iq_ref_a - now_.iq_a;
-  d_.integral_v += scaling_.id_ki * error_d;
-  q_.integral_v += scaling_.iq_ki * error_q;
-  double vd = d_.integral_v + scaling_.id_kp * error_d;
-  double vq = q_.integral_v + scaling_.iq_kp * error_q;
+  d_integral_v_ += scaling_.id_ki * error_d;
+  q_integral_v_ += scaling_.iq_ki * error_q;
+  double vd = d_integral_v_ + scaling_.id_kp * error_d;
+  double vq = q_integral_v_ + scaling_.iq_kp * error_q;
 
   // The space vector's circle; both integrators are calculated back from what is put out.
   const double limit = now_.bus_v / std::numbers::sqrt3;
@@ -412,8 +485,8 @@ void MotorChannel::control_currents() {
     const double share = limit / std::sqrt(square);
     vd *= share;
     vq *= share;
-    d_.integral_v = vd - scaling_.id_kp * error_d;
-    q_.integral_v = vq - scaling_.iq_kp * error_q;
+    d_integral_v_ = vd - scaling_.id_kp * error_d;
+    q_integral_v_ = vq - scaling_.iq_kp * error_q;
   }
   now_.vd_v = vd;
   now_.vq_v = vq;

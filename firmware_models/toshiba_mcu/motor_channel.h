@@ -38,10 +38,18 @@ class MotorChannel {
   void set_settings(const ChannelSettings& settings);
 
   // --- What the host asks for ---
+  /// By speed, unless set_method() chose otherwise for this start.
   Outcome start();
+  Outcome start_torque_control();
   Outcome stop();
+  /// While running the method changes at once and without a bump; else it is that of the next
+  /// start.
+  void set_method(Method method);
   /// Clipped to the speed limit; against Direction: target 0 and a warning bit (5.1.66, bit 7).
   void set_speed_rpm(std::int32_t rpm);
+  /// For torque control, 0 ... torque_limit_mnm(); the sign is the set speed's.
+  void set_torque_mnm(std::int32_t torque_mnm) { torque_mnm_ = torque_mnm; }
+  std::int32_t torque_limit_mnm() const;
 
   // --- What the hardware calls ---
   void pwm_interrupt(const AdcReading& reading);
@@ -58,10 +66,12 @@ class MotorChannel {
   // --- What the host can read; 0 in Stop, Brake and Emergency ---
   Stage stage() const { return stage_; }
   std::uint32_t errors() const { return errors_; }
+  Method method() const { return pwm_active() ? method_ : Method::kIdle; }
   std::int32_t actual_rpm() const;
   std::int32_t target_rpm() const;
   std::uint32_t current_ma() const;
   std::uint32_t torque() const;  // 0.001 Ncm, labelled Ncm: TorqueFactor * Current / 10 (4.2.3)
+  std::int32_t target_torque() const;  // 0.001 Ncm
 
   /// The loops' own numbers, for recordings.
   struct Internals {
@@ -76,27 +86,27 @@ class MotorChannel {
   const Scaling& scaling() const { return scaling_; }
 
  private:
-  struct CurrentController {
-    double integral_v = 0;
-  };
-
   bool energised() const;  // a stage in which currents are controlled
   double target_hz() const;
-  double direction_sign() const { return now_.command_hz < 0 ? -1.0 : 1.0; }
+  bool torque_controlled() const { return method_ == Method::kTorque && stage_ == Stage::kFoc; }
   void enter(Stage stage);
   void trip(Fault fault);
   void halt();
+  void forget_measurements();
   void set_target(std::int32_t rpm);
 
   void measure_zero_current(const AdcReading& reading);
   void measure(const AdcReading& reading);
   bool protect(const AdcReading& reading);
   void advance_angle();
+  void set_current_reference();
   void control_speed();
+  void control_torque();
   void control_currents();
   void modulate(double v_alpha, double v_beta);
   void ramp_command();
   void reduce_speed();
+  void end_speed_reduction();
   void watch_bus(const AdcReading& reading);
   void watch_stall();
 
@@ -107,6 +117,9 @@ class MotorChannel {
   BridgeCommand output_;
   Internals now_;
 
+  Method method_ = Method::kSpeed;
+  Method next_method_ = Method::kSpeed;
+  std::int32_t torque_mnm_ = 0;
   std::int32_t set_rpm_ = 0;
   std::optional<std::int32_t> rpm_before_stop_;  // while a gentle stop is under way
   bool angle_known_ = false;                     // theta was kept by a gentle stop
@@ -118,7 +131,7 @@ class MotorChannel {
   std::array<int, 3> zero_sum_{};
   std::array<double, 3> zero_counts_{};
   double sine_ = 0, cosine_ = 1;
-  CurrentController d_, q_;
+  double d_integral_v_ = 0, q_integral_v_ = 0;
   double iq_integral_a_ = 0;
   std::array<double, 5> omega_history_hz_{};
   std::size_t omega_index_ = 0;

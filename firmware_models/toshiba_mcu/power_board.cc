@@ -50,6 +50,12 @@ Outcome PowerBoard::start() {
   return outcome;
 }
 
+Outcome PowerBoard::start_torque_control() {
+  const Outcome outcome = channel_.start_torque_control();
+  follow();
+  return outcome;
+}
+
 Outcome PowerBoard::stop() {
   const Outcome outcome = channel_.stop();
   follow();

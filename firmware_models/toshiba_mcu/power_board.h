@@ -27,8 +27,11 @@ class PowerBoard {
 
   const MotorChannel& channel() const { return channel_; }
   Outcome start();
+  Outcome start_torque_control();
   Outcome stop();
   void set_speed_rpm(std::int32_t rpm);
+  void set_torque_mnm(std::int32_t torque_mnm) { channel_.set_torque_mnm(torque_mnm); }
+  void set_method(Method method) { channel_.set_method(method); }
   void set_settings(const ChannelSettings& settings);
 
   /// As the firmware measures them now: DC link in V, temperature in degC.

@@ -118,11 +118,12 @@ constexpr std::uint32_t features(std::initializer_list<Feature> list) {
 
 /// What the image and its boards tell of themselves.
 struct Identity {
-  std::uint32_t feature_bits = features(
-      {Feature::kLoadStatistic, Feature::kTemperatureControl, Feature::kWritableBoardSettings,
-       Feature::kSoftwareVoltageDetection, Feature::kMotorDisconnectDetection,
-       Feature::kSoftwareOvercurrentDetection, Feature::kLoadDependentSpeedReduction,
-       Feature::kStallDetect, Feature::kDcLinkVoltage, Feature::kMotorStage});
+  std::uint32_t feature_bits =
+      features({Feature::kLoadStatistic, Feature::kTemperatureControl,
+                Feature::kWritableBoardSettings, Feature::kSoftwareVoltageDetection,
+                Feature::kMotorDisconnectDetection, Feature::kSoftwareOvercurrentDetection,
+                Feature::kLoadDependentSpeedReduction, Feature::kStallDetect,
+                Feature::kDcLinkVoltage, Feature::kMotorStage, Feature::kTorqueControl});
   std::uint8_t board_revision = 1;
   std::uint8_t channels = 0x07;
   std::uint16_t dso_size = 320;  // int16 values

@@ -42,6 +42,9 @@ constexpr std::uint32_t bit(Fault fault) {
   return 1U << static_cast<unsigned>(fault);
 }
 
+/// What a running motor is controlled by: bits of 0x11, 0x12 and 0x23; 0 while idle (4.2.18).
+enum class Method : std::uint8_t { kIdle = 0, kSpeed = 1, kTorque = 2 };
+
 /// What a request to a channel came to; the device turns it into a telegram.
 enum class Outcome : std::uint8_t {
   kDone,

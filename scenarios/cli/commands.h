@@ -16,6 +16,9 @@ inline constexpr int kExitUsage = 2;   // an option, a name, a file or a port th
 struct RunOptions {
   BenchOptions bench;
   std::string link;
+  std::string tcp;                   // [HOST:]PORT to listen on instead of a pseudo-terminal
+  std::string rfc2217;               // the same, with RFC 2217
+  std::string port;                  // or an existing serial device
   std::optional<double> rate = 1.0;  // none: as fast as possible
   std::string record;
   std::vector<std::string> signals;
@@ -29,6 +32,7 @@ int run(const RunOptions& options);
 
 struct DemoOptions {
   std::string link;
+  std::string report = "virtdrive-demo.html";  // HTML file; empty: none
 };
 int demo(const DemoOptions& options);
 

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <exception>
 #include <fmt/format.h>
+#include <optional>
 #include <thread>
 
 #include "devices/toshiba_mcu/client.h"
@@ -10,6 +11,9 @@
 #include "pty/pty_endpoint.h"
 #include "pty/runner.h"
 #include "scenarios/cli/commands.h"
+#include "scenarios/cli/demo_report.h"
+#include "scenarios/output_file.h"
+#include "scenarios/recording/sampler.h"
 
 namespace virtdrive {
 namespace {
@@ -21,6 +25,7 @@ constexpr std::uint8_t kMotor = 1;
 constexpr std::int32_t kSpeedRpm = 2000;
 constexpr double kLoadNm = 0.02;
 constexpr SimDuration kRowInterval = 250ms;
+constexpr SimDuration kSampleInterval = 1ms;
 
 // The host program's side: everything goes through the pseudo-terminal, as for anybody's program.
 class DemoHost {
@@ -28,8 +33,9 @@ class DemoHost {
   DemoHost(const std::string& path, int baud) : port_(path, baud), client_(port_) {}
 
   void play() {
-    fmt::print("firmware {}; motor {}: MaxAngAcc 1500 rad/s2, {} rpm, start\n\n", client_.version(),
-               kMotor, kSpeedRpm);
+    firmware_ = client_.version();
+    fmt::print("firmware {}; motor {}: MaxAngAcc 1500 rad/s2, {} rpm, start\n\n", firmware_, kMotor,
+               kSpeedRpm);
     client_.set(kMotor, "MaxAngAcc", {1500, 0});
     client_.set(kMotor, "Speed", {kSpeedRpm, 0});
     client_.start_motor(kMotor);
@@ -48,6 +54,9 @@ class DemoHost {
     watch("stopping", 5200);
     if (stage() != Stage::kStop) throw toshiba_mcu::ClientError("the motor did not stop");
   }
+
+  /// As the drive told it; to be asked after play().
+  const std::string& firmware() const { return firmware_; }
 
   std::atomic<double> load_nm = 0;  // what the bench puts on the shaft: no host can do that
 
@@ -72,14 +81,29 @@ class DemoHost {
 
   HostPort port_;
   toshiba_mcu::Client client_;
+  std::string firmware_;
   std::uint32_t started_tick_ = 0;
 };
+
+std::string message_of(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
 
 }  // namespace
 
 int demo(const DemoOptions& options) {
-  Bench bench({.drive = "toshiba-mcu"});
+  DemoReport report(kMotor);
+  Bench bench({.drive = "toshiba-mcu",
+               .listener = [&](const WireEvent& event) { report.add_frame(event); }});
+  const Sampler sampler(bench.loop(), bench.registry(), report.signals(), kSampleInterval,
+                        [&](SimTime time, auto values) { report.add_row(time, values); });
   PtyEndpoint port(bench.line(), options.link);
+  std::optional<OutputFile> page;
+  if (!options.report.empty()) page.emplace("--report", options.report);
   Runner runner(bench.loop(), {.rate = 1.0});
   runner.add(port);
   fmt::print("{} with motor {} on {}\n", bench.kind().table.title, bench.motor().name, port.path());
@@ -88,7 +112,9 @@ int demo(const DemoOptions& options) {
   const std::string load = fmt::format("load{}.brake_torque", kMotor);
   Wakeup load_watch;
   load_watch = bench.loop().add(Phase::kScenario, [&] {
-    bench.registry().set(load, host.load_nm);
+    const double load_nm = host.load_nm;
+    bench.registry().set(load, load_nm);
+    report.add_load(bench.loop().now(), load_nm);
     load_watch.at(bench.loop().now() + 10ms);
   });
   load_watch.at(bench.loop().now());
@@ -104,6 +130,13 @@ int demo(const DemoOptions& options) {
   });
   const PacingReport pacing = runner.run();
   host_thread.join();
+  if (page) {
+    const std::string result = pacing.signal != 0 ? "interrupted"
+                               : failure          ? message_of(failure)
+                                                  : "as expected";
+    page->write(html(report.make(bench, host.firmware(), result)));
+    page->close();
+  }
   if (pacing.signal != 0) {
     fmt::print(stderr, "virtdrive: interrupted\n");
     return kExitFailed;
@@ -113,6 +146,7 @@ int demo(const DemoOptions& options) {
   const WireCounters& wire = bench.drive().wire_counters();
   fmt::print("\n{} requests, {} replies, {} bad frames, {} bytes lost, {} overruns\n",
              wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost, pacing.overruns);
+  if (page) fmt::print("plots of it all: {}, for any browser\n", options.report);
   fmt::print("next: ./virtdrive run toshiba-mcu --link /tmp/drive   and open /tmp/drive\n");
   return kExitOk;
 }

@@ -12,8 +12,6 @@
 namespace virtdrive {
 namespace {
 
-constexpr std::string_view kVersion = "0.1.0";
-
 std::optional<double> parse_rate(const std::string& text) {
   if (text == "max") return std::nullopt;
   double rate = 0;
@@ -49,8 +47,29 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   auto words = std::make_shared<Words>();
 
   command->add_option("DRIVE", bench.drive, "The drive: see 'virtdrive list drives'")->required();
-  command->add_option("--link", options->link, "Make this path a symlink to the terminal")
-      ->check(not_empty());
+  CLI::Option* const link =
+      command->add_option("--link", options->link, "Make this path a symlink to the terminal")
+          ->check(not_empty());
+  CLI::Option* const tcp =
+      command
+          ->add_option("--tcp", options->tcp,
+                       "Listen on [HOST:]PORT (127.0.0.1 unless told) instead of a terminal")
+          ->check(not_empty())
+          ->excludes(link);
+  CLI::Option* const rfc2217 =
+      command
+          ->add_option("--rfc2217", options->rfc2217,
+                       "The same, with RFC 2217: baud rate and parity are the host's to set")
+          ->check(not_empty())
+          ->excludes(link)
+          ->excludes(tcp);
+  command
+      ->add_option("--port", options->port,
+                   "Use an existing serial device, e.g. /dev/ttyUSB0: the drive at its other end")
+      ->check(not_empty())
+      ->excludes(link)
+      ->excludes(tcp)
+      ->excludes(rfc2217);
   command
       ->add_option("--line", words->line,
                    "real: character times and the drive's latency; ideal: none")
@@ -75,10 +94,16 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command->add_option("--integrator", words->integrator, "default: SUNDIALS ERKStep; fast: RK4")
       ->check(CLI::IsMember({"default", "fast"}))
       ->capture_default_str();
+  command
+      ->add_option("--nvm", bench.nvm,
+                   "Keep what the drive stores in this file; without it nothing outlives the run")
+      ->check(not_empty());
   command->add_flag("--lenient", bench.lenient,
                     "Forgive what the drive does not: bytes sent while it is busy, cut telegrams");
   command->add_flag("--trace", options->trace, "Show each frame, decoded, on standard error");
-  command->add_option("--record", options->record, "Write signals to this CSV file")
+  command
+      ->add_option("--record", options->record,
+                   "Write signals to this file: .csv, .vcd (GTKWave) or .mat")
       ->check(not_empty());
   command->add_option("--signals", options->signals, "What to record: see 'virtdrive list signals'")
       ->delimiter(',');
@@ -103,6 +128,10 @@ void add_demo(CLI::App& app, std::function<int()>& action) {
       "demo", "Run a motor through a real terminal: 2000 rpm, a load step, stop; takes 6 s");
   auto options = std::make_shared<DemoOptions>();
   command->add_option("--link", options->link, "Make this path a symlink to the terminal");
+  command
+      ->add_option("--report", options->report,
+                   "Write plots of it all to this HTML file; \"\" for none")
+      ->capture_default_str();
   command->callback([options, &action] { action = [options] { return demo(*options); }; });
 }
 
@@ -156,7 +185,7 @@ void check_command(const CLI::App& app, int argc, char** argv) {
 int run_program(int argc, char** argv) {
   CLI::App app{"A virtual test bench for motor drives."};
   app.name("virtdrive");
-  app.set_version_flag("--version", std::string(kVersion));
+  app.set_version_flag("--version", VIRTDRIVE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 the run failed, 2 an option, name, file or port cannot be used.");

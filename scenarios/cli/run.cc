@@ -1,6 +1,8 @@
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <unistd.h>
@@ -8,9 +10,11 @@
 #include "core/check.h"
 #include "pty/pty_endpoint.h"
 #include "pty/runner.h"
+#include "pty/serial_device_endpoint.h"
+#include "pty/tcp_endpoint.h"
 #include "scenarios/cli/commands.h"
-#include "scenarios/csv_recorder.h"
 #include "scenarios/line_transport.h"
+#include "scenarios/recording/recorder.h"
 
 namespace virtdrive {
 namespace {
@@ -78,21 +82,55 @@ Start parse_start(const std::string& text, const Bench& bench, std::size_t chann
   return start;
 }
 
-void announce(const RunOptions& options, const Bench& bench, const PtyEndpoint& port, int baud) {
+// Where the host is: a pseudo-terminal unless the options say otherwise.
+struct Port {
+  std::unique_ptr<HostEndpoint> endpoint;
+  std::string address;                     // what a host opens
+  std::string terminal;                    // of a pseudo-terminal, behind the link
+  std::function<std::uint64_t()> overrun;  // bytes lost because the host did not read
+};
+
+template <class Endpoint>
+Port make_port(std::unique_ptr<Endpoint> endpoint, std::string address, std::string terminal = "") {
+  const Endpoint& opened = *endpoint;
+  return {std::move(endpoint), std::move(address), std::move(terminal),
+          [&opened] { return opened.counters().overrun; }};
+}
+
+Port open_port(const RunOptions& options, SerialLine& line) {
+  if (!options.tcp.empty() || !options.rfc2217.empty()) {
+    const bool raw = options.rfc2217.empty();
+    auto tcp = std::make_unique<TcpEndpoint>(line, raw ? options.tcp : options.rfc2217,
+                                             raw ? TcpMode::kRaw : TcpMode::kRfc2217);
+    const std::string address = (raw ? "tcp://" : "rfc2217://") + tcp->address();
+    return make_port(std::move(tcp), address);
+  }
+  if (!options.port.empty()) {
+    if (options.rate != 1.0) {
+      throw SetupError("--port: a real wire keeps real time; leave --rate at 1");
+    }
+    return make_port(std::make_unique<SerialDeviceEndpoint>(line, options.port), options.port);
+  }
+  auto pty = std::make_unique<PtyEndpoint>(line, options.link);
+  const std::string path = pty->path(), terminal = pty->terminal();
+  return make_port(std::move(pty), path, terminal);
+}
+
+void announce(const RunOptions& options, const Bench& bench, const Port& port, int baud) {
   if (options.json) {
     const nlohmann::ordered_json ready = {{"event", "ready"},     {"drive", bench.kind().name},
-                                          {"port", port.path()},  {"terminal", port.terminal()},
+                                          {"port", port.address}, {"terminal", port.terminal},
                                           {"baud", baud},         {"motor", bench.motor().name},
                                           {"seed", bench.seed()}, {"pid", getpid()}};
     fmt::print("{}\n", ready.dump());
   } else {
-    fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", bench.kind().name, port.path(),
+    fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", bench.kind().name, port.address,
                baud, bench.motor().name, bench.seed());
   }
   if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
 }
 
-std::string status_line(Bench& bench, const PtyEndpoint& port, const PacingReport& pacing) {
+std::string status_line(Bench& bench, const Port& port, const PacingReport& pacing) {
   const WireCounters& wire = bench.drive().wire_counters();
   std::string text = fmt::format("{:.1f} s | {} | {} requests", seconds(bench.loop().now()),
                                  bench.drive().status(), wire.requests);
@@ -101,14 +139,14 @@ std::string status_line(Bench& bench, const PtyEndpoint& port, const PacingRepor
   };
   count(wire.bad_frames, "bad");
   count(wire.bytes_lost, "bytes lost while busy");
-  count(port.counters().overrun, "bytes not read by the host");
+  count(port.overrun(), "bytes not read by the host");
   count(bench.line().counters().garbled, "bytes at a wrong baud rate");
   count(pacing.overruns, "overruns");
   return text;
 }
 
-void report(const RunOptions& options, Bench& bench, const PtyEndpoint& port,
-            const PacingReport& pacing, Console& console) {
+void report(const RunOptions& options, Bench& bench, const Port& port, const PacingReport& pacing,
+            Console& console) {
   const WireCounters& wire = bench.drive().wire_counters();
   const double simulated = seconds(bench.loop().now());
   const double elapsed = seconds(SimDuration(pacing.elapsed));
@@ -120,7 +158,7 @@ void report(const RunOptions& options, Bench& bench, const PtyEndpoint& port,
                                         {"replies", wire.replies},
                                         {"bad_frames", wire.bad_frames},
                                         {"bytes_lost_busy", wire.bytes_lost},
-                                        {"bytes_lost_unread", port.counters().overrun},
+                                        {"bytes_lost_unread", port.overrun()},
                                         {"bytes_garbled", bench.line().counters().garbled},
                                         {"overruns", pacing.overruns},
                                         {"slips", pacing.slips},
@@ -131,13 +169,12 @@ void report(const RunOptions& options, Bench& bench, const PtyEndpoint& port,
     return;
   }
   console.end_status();
-  console.print_line(
-      fmt::format("{:.3f} s simulated in {:.3f} s; {} requests, {} replies, {} bad frames; bytes "
-                  "lost: {} while "
-                  "busy, {} not read; {} overruns, largest lag {:.1f} ms; seed {}",
-                  simulated, elapsed, wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost,
-                  port.counters().overrun, pacing.overruns,
-                  seconds(SimDuration(pacing.max_lag)) * 1e3, bench.seed()));
+  console.print_line(fmt::format(
+      "{:.3f} s simulated in {:.3f} s; {} requests, {} replies, {} bad frames; bytes "
+      "lost: {} while "
+      "busy, {} not read; {} overruns, largest lag {:.1f} ms; seed {}",
+      simulated, elapsed, wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost,
+      port.overrun(), pacing.overruns, seconds(SimDuration(pacing.max_lag)) * 1e3, bench.seed()));
 }
 
 }  // namespace
@@ -157,8 +194,8 @@ int run(const RunOptions& options) {
   Bench bench(bench_options);
   std::optional<Start> start;
   if (!options.start.empty()) start = parse_start(options.start, bench, bench.drive().channels());
-  PtyEndpoint port(bench.line(), options.link);
-  std::optional<CsvRecorder> recorder;
+  const Port port = open_port(options, bench.line());
+  std::optional<Recorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
                      from_seconds(options.interval_s));
@@ -172,7 +209,7 @@ int run(const RunOptions& options) {
                 {.rate = options.rate, .until = until, .status = [&](const auto& now) {
                    console.show_status(status_line(bench, port, now));
                  }});
-  runner.add(port);
+  runner.add(*port.endpoint);
   announce(options, bench, port, bench.line().settings().baud);
   if (!options.rate && !options.duration_s) {
     console.print_line("free run: simulated time passes much faster than a host program expects");

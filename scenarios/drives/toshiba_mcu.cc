@@ -83,8 +83,7 @@ class ToshibaMcuDrive final : public Drive {
   explicit ToshibaMcuDrive(const DriveContext& context)
       : axes_(make_axes(context)),
         firmware_(context.loop, pointers(), context.seed),
-        parameters_(firmware_),
-        device_(context.loop, context.port, firmware_,
+        device_(context.loop, context.port, firmware_, context.memory,
                 {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency,
                  .lenient = context.lenient},
                 context.listener, context.notes) {}
@@ -118,7 +117,6 @@ class ToshibaMcuDrive final : public Drive {
 
   std::vector<Axis> axes_;
   Firmware firmware_;
-  Parameters parameters_;
   Device device_;
 };
 
@@ -127,7 +125,7 @@ void ToshibaMcuDrive::set_parameter(std::string_view text) {
   for (std::size_t channel = 0; channel < kChannels; ++channel) {
     if (assignment.channel.value_or(channel) != channel) continue;
     const auto id = static_cast<std::uint8_t>(assignment.row->id);
-    if (parameters_.write(static_cast<std::uint8_t>(channel), id, assignment.value) ==
+    if (device_.parameters().write(static_cast<std::uint8_t>(channel), id, assignment.value) ==
         Outcome::kDone) {
       continue;
     }

@@ -1,13 +1,18 @@
 """The program as a person or a script runs it: options, files, signals, other people's tools."""
 
+import json
 import os
 import pathlib
 import pty
 import select
 import signal
+import socket
 import subprocess
 import sys
+import tty
 import unittest
+
+import serial
 
 sys.dont_write_bytecode = True
 
@@ -90,6 +95,18 @@ class Unusable(CliTest):
             ]
         )
 
+    def test_a_memory_that_is_not_the_drives_is_refused_and_not_touched(self):
+        pathlib.Path(self.path("notes.txt")).write_text("mine\n")
+        pathlib.Path(self.path("other.nvm")).write_text("virtdrive-nvm 1 md400\ncrc32 00000000\n")
+        self.assert_all_unusable(
+            [
+                (run("--nvm", self.path("notes.txt")), "--nvm", "notes.txt", "not a memory"),
+                (run("--nvm", self.path("other.nvm")), "--nvm", "'md400'", "toshiba-mcu"),
+                (run("--nvm", self.path("nowhere/drive.nvm")), "--nvm", "nowhere", "not there"),
+                (run("--nvm", self.path("")), "--nvm", "is not a file"),
+            ]
+        )
+
     def test_rates_loads_and_starts_that_mean_nothing_are_refused(self):
         for rate in ("0", "-1", "0.0001", "1001", "fast", "1x", "nan", "inf", ""):
             with self.subTest(rate):
@@ -162,13 +179,14 @@ class Unusable(CliTest):
             self.assertEqual(host.version(), (3, 10))
 
     def test_a_recording_that_cannot_be_written_is_refused(self):
-        (self.folder / "folder").mkdir()
+        (self.folder / "folder.csv").mkdir()
         signals = ["--signals", "motor1.speed"]
         self.assert_all_unusable(
             [
                 (run("--record", "missing/a.csv", *signals), "--record missing/a.csv", "No such"),
-                (run("--record", "folder", *signals), "--record folder", "directory"),
-                (run("--record", UNWRITABLE, *signals), f"--record {UNWRITABLE}", "denied"),
+                (run("--record", "folder.csv", *signals), "--record folder.csv", "directory"),
+                (run("--record", f"{UNWRITABLE}.csv", *signals), f"--record {UNWRITABLE}.csv", "denied"),
+                (run("--record", "a.xls", *signals), "--record a.xls", ".csv, .vcd, .mat"),
                 (run("--record", "a.csv"), "--record", "--signals"),
                 (run(*signals), "--record", "--signals"),
             ]
@@ -187,9 +205,11 @@ class Unusable(CliTest):
             )
 
     def test_a_full_disk_is_told(self):
-        result = self.run_program(*run("--record", "/dev/full", "--signals", "motor1.speed"))
-        self.assertEqual(result.returncode, UNUSABLE)
-        self.assertIn("--record /dev/full", result.stderr)
+        for name in ("full.csv", "full.vcd", "full.mat"):
+            (self.folder / name).symlink_to("/dev/full")
+            result = self.run_program(*run("--record", name, "--signals", "motor1.speed"))
+            self.assertEqual(result.returncode, UNUSABLE)
+            self.assertIn(f"--record {name}: not all of it", result.stderr)
 
 
 class Lifetime(CliTest):
@@ -381,16 +401,19 @@ class Repeatability(CliTest):
 
 class Demo(CliTest):
     def test_the_demo_turns_a_motor_and_ends_well(self):
-        result = self.run_program("demo", "--link", "drive")
+        result = self.run_program("demo", "--link", "drive", "--report", "demo.html")
         self.assertEqual((result.returncode, result.stderr), (DONE, ""))
         for word in ("Initposition", "Force", "FOC", "load 20 mNm", "stopping", "Stop",
                      "0 bad frames", "0 bytes lost"):
             self.assertIn(word, result.stdout)
-        self.assertEqual(self.files(), [])
+        self.assertEqual(self.files(), ["demo.html"])
+        report = pathlib.Path(self.path("demo.html")).read_text()
+        self.assertGreater(report.count("<svg"), 4)
+        self.assertNotIn("http", report.replace("http://www.w3.org/2000/svg", ""))
 
     def test_an_interrupted_demo_does_not_blame_the_drive(self):
         process = subprocess.Popen(
-            [PROGRAM, "demo", "--link", self.path("drive")],
+            [PROGRAM, "demo", "--link", self.path("drive"), "--report", ""],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )
         self.processes.append(process)
@@ -399,6 +422,70 @@ class Demo(CliTest):
         _, errors = process.communicate()
         self.assertNotIn("does not answer", errors)
         self.assertEqual(self.files(), [])
+
+
+class Network(CliTest):
+    """Hosts that come over a network, or at the end of a wire."""
+
+    def serve(self, *arguments):
+        process = subprocess.Popen(
+            [PROGRAM, "run", DRIVE, "--json", *arguments],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
+        )
+        self.processes.append(process)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        return process, json.loads(process.stdout.readline())["port"]
+
+    def assert_answers(self, url):
+        with serial.serial_for_url(url, baudrate=115200, timeout=10) as port:
+            port.write(VERSION_REQUEST)
+            self.assertEqual(port.read(len(VERSION_ANSWER)), VERSION_ANSWER)
+
+    def end(self, process):
+        process.send_signal(signal.SIGTERM)
+        rest, _ = process.communicate()
+        self.assertEqual(process.returncode, DONE)
+        return json.loads(rest.splitlines()[-1])
+
+    def test_a_host_may_come_over_tcp(self):
+        process, address = self.serve("--tcp", "0")
+        self.assertTrue(address.startswith("tcp://127.0.0.1:"), address)
+        for _ in range(3):
+            self.assert_answers(address.replace("tcp://", "socket://"))
+        self.assertEqual(self.end(process)["requests"], 3)
+
+    def test_a_host_may_come_over_rfc2217(self):
+        process, address = self.serve("--rfc2217", "0")
+        self.assert_answers(address)
+        self.assertEqual(self.end(process)["requests"], 1)
+
+    def test_the_drive_may_sit_at_the_end_of_a_real_port(self):
+        master, slave = pty.openpty()  # stands for a serial device with a host at its other end
+        tty.setraw(slave)
+        process, address = self.serve("--port", os.ttyname(slave))
+        self.assertEqual(address, os.ttyname(slave))
+        os.write(master, VERSION_REQUEST)
+        answer = b""
+        while len(answer) < len(VERSION_ANSWER):
+            answer += os.read(master, 64)
+        self.assertEqual(answer, VERSION_ANSWER)
+        self.end(process)
+        os.close(slave)
+        os.close(master)
+
+    def test_ports_that_cannot_be_had_are_refused(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            self.assert_all_unusable(
+                [
+                    (run("--tcp", str(taken.getsockname()[1])), str(taken.getsockname()[1])),
+                    (run("--tcp", "nowhere:x"), "nowhere:x"),
+                    (run("--tcp", "0", "--link", "drive"), "--tcp", "--link"),
+                    (["run", DRIVE, "--port", "/dev/null"], "/dev/null"),
+                    (["run", DRIVE, "--port", "nowhere"], "nowhere"),
+                    (["run", DRIVE, "--port", "/dev/null", "--rate", "2"], "--port", "--rate"),
+                ]
+            )
 
 
 class Tools(CliTest):

@@ -622,6 +622,67 @@ class Parameters(DriveTest):
                     self.assert_error_ff(host, request)
 
 
+class Memory(DriveTest):
+    """What is stored outlives the program, with a file; without one it does not."""
+
+    def test_stored_parameters_are_there_after_a_kill(self):
+        bench, host = self.start_bench("--nvm", self.path("drive.nvm"))
+        host.set(MOTOR, mcu.MAX_ANG_ACC, 800)
+        host.store(MOTOR)
+        host.set(MOTOR, mcu.MAX_ANG_ACC, 900)
+        host.close()
+        bench.process.kill()
+        bench.process.wait()
+        _, host = self.start_bench("--nvm", self.path("drive.nvm"))
+        self.assertEqual(host.get(MOTOR, mcu.MAX_ANG_ACC).value, 800)
+        self.assertEqual(host.get(0, mcu.MAX_ANG_ACC).value, MAX_ANG_ACC)
+        host.clear()
+        self.assertEqual(host.get(MOTOR, mcu.MAX_ANG_ACC).value, 800)
+
+    def test_without_a_file_nothing_is_kept(self):
+        bench, host = self.start_bench()
+        host.set(MOTOR, mcu.MAX_ANG_ACC, 800)
+        host.store(MOTOR)
+        host.close()
+        bench.stop()
+        self.assertEqual(self.files(), [])
+
+    def test_a_damaged_file_is_told_and_the_drive_starts_with_factory_settings(self):
+        file = self.path("drive.nvm")
+        bench, host = self.start_bench("--nvm", file)
+        host.set(MOTOR, mcu.MAX_ANG_ACC, 800)
+        host.store(MOTOR)
+        host.close()
+        bench.stop()
+        with open(file, "r+b") as damaged:
+            damaged.truncate(100)
+        bench, host = self.start_bench("--nvm", file)
+        self.assertEqual(host.get(MOTOR, mcu.MAX_ANG_ACC).value, MAX_ANG_ACC)
+        host.close()
+        bench.stop()
+        self.assertIn("drive.nvm is damaged", bench.notes[0])
+
+
+class TorqueControl(DriveTest):
+    def test_the_torque_is_held_and_told(self):
+        _, host = self.start_bench("--rate", 10, "--load", "quadratic:6e-7,inertia:2e-5")
+        host.set(MOTOR, mcu.SPEED, 4000)
+        host.set(MOTOR, mcu.TORQUE, 30)
+        host.start_torque(MOTOR)
+        begin = host.state(MOTOR).tick
+        self.wait_for_tick(host, begin + 6000)
+        self.assertEqual(host.control_method(MOTOR), 2)
+        state = host.extended_state(MOTOR)
+        self.assertEqual((state.target, state.method), (3000, 2))  # 30 mNm in 0.001 Ncm
+        self.assertAlmostEqual(state.actual, 3000, delta=60)
+        self.assertAlmostEqual(state.non_control, 1990, delta=80)  # rpm, where the fan takes it
+
+    def test_methods_that_do_not_exist_are_invalid(self):
+        _, host = self.start_bench()
+        self.assertEqual([host.set_control_method(MOTOR, m) for m in (0, 1, 2, 3)], [1, 0, 0, 1])
+        self.assertEqual(host.control_method(MOTOR), 0)
+
+
 class Session(DriveTest):
     """Hosts come and go, the drive stays."""
 

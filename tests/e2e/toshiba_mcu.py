@@ -20,11 +20,15 @@ ALL_MOTORS = 0xFF  # 5.1: MotorID -1
 START_MOTOR = 0x00
 STOP_MOTOR = 0x01
 GET_MOTOR_STATE = 0x02
+STORE_PARAMETERS = 0x03
+CLEAR_PARAMETERS = 0x04
 GET_ONE = 0x09
 SET_ONE = 0x0A
 GET_MANY = 0x0B
 SET_MANY = 0x0C
+START_TORQUE = 0x10
 GET_CONTROL_METHOD = 0x11
+SET_CONTROL_METHOD = 0x12
 GET_VERSION = 0x14
 GET_EXTENDED_STATE = 0x23
 
@@ -33,11 +37,15 @@ REPLY_SIZE = {
     START_MOTOR: 1,
     STOP_MOTOR: 1,
     GET_MOTOR_STATE: 20,
+    STORE_PARAMETERS: 1,
+    CLEAR_PARAMETERS: 1,
     GET_ONE: 5,
     SET_ONE: 1,
     GET_MANY: 42,
     SET_MANY: 2,
+    START_TORQUE: 1,
     GET_CONTROL_METHOD: 1,
+    SET_CONTROL_METHOD: 1,
     GET_VERSION: 2,
     GET_EXTENDED_STATE: 21,
     ERROR: 1,
@@ -57,6 +65,7 @@ BOOTSTRAP_DELAY = 0x71
 ERROR_STATE = 0xE1
 MOTOR_STAGE = 0xE3
 SPEED = 0xE5
+TORQUE = 0xE6
 
 # Units of MaxAngAcc (5.1.3) and of currents (5.1.10).
 RAD_BY_S2, HZ_BY_S, RPM_BY_S, RPM_BY_MIN = range(4)
@@ -205,6 +214,19 @@ class Host:
 
     def stop(self, motor):
         self.request(STOP_MOTOR, [motor])
+
+    def start_torque(self, motor):
+        self.request(START_TORQUE, [motor])
+
+    def store(self, motor):
+        self.request(STORE_PARAMETERS, [motor])
+
+    def clear(self):
+        self.request(CLEAR_PARAMETERS, [0])
+
+    def set_control_method(self, motor, method):
+        """The error byte: 0 or 1."""
+        return self.request(SET_CONTROL_METHOD, [motor, method])[0]
 
     def state(self, motor):
         return MotorState(*struct.unpack("<iiIII", self.request(GET_MOTOR_STATE, [motor])))

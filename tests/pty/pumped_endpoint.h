@@ -13,12 +13,15 @@
 
 namespace virtdrive {
 
-class PumpedEndpoint final : public SerialReceiver {
+template <typename Endpoint>
+class Pumped : public SerialReceiver {
  public:
   static constexpr std::chrono::seconds kDeadline{10};
 
-  explicit PumpedEndpoint(const LineSettings& settings = {.timing = LineTiming::kIdeal})
-      : line(loop, settings), endpoint(line) {
+  template <typename... Arguments>
+  explicit Pumped(const LineSettings& settings = {.timing = LineTiming::kIdeal},
+                  const Arguments&... arguments)
+      : line(loop, settings), endpoint(line, arguments...) {
     line.attach(*this);
   }
 
@@ -58,8 +61,10 @@ class PumpedEndpoint final : public SerialReceiver {
 
   EventLoop loop;
   SerialLine line;
-  PtyEndpoint endpoint;
+  Endpoint endpoint;
   std::vector<std::uint8_t> heard;  // by the device
 };
+
+using PumpedEndpoint = Pumped<PtyEndpoint>;
 
 }  // namespace virtdrive

@@ -222,6 +222,31 @@ TEST(SerialLine, AHostWithTwoStopBitsIsUnderstoodAndSlower) {
   EXPECT_EQ(wire.device.heard[2].time, at_ns(3 * 11'000'000'000 / 9600));
 }
 
+TEST(SerialLine, ADriveThatChecksParityHearsNothingOfTheOpposite) {
+  Wire wire{{.baud = 9600, .parity = Parity::kEven}};
+  wire.line.set_host({.parity = Parity::kOdd});
+  wire.line.host_send(counting(256));
+  wire.loop.run_until(kSimStart + 1s);
+  EXPECT_TRUE(wire.device.bytes().empty());
+  EXPECT_EQ(wire.line.counters().garbled, 256U);
+}
+
+TEST(SerialLine, AParityBitIsTheEighthDataBitOfAHostThatExpectsNone) {
+  Wire wire{{.baud = 9600, .data_bits = 7, .parity = Parity::kEven}};
+  wire.line.set_host({.data_bits = 8, .parity = Parity::kNone});
+  wire.line.device_port().send(Bytes{0x41, 0x43});  // two ones, three ones
+  wire.loop.run_until(kSimStart + 1s);
+  EXPECT_EQ(wire.host_bytes(), (Bytes{0x41, 0xC3}));
+}
+
+TEST(SerialLine, AHostWithTooFewDataBitsLosesTheTopOne) {
+  Wire wire{{.baud = 9600}};
+  wire.line.set_host({.data_bits = 7});
+  wire.line.device_port().send(Bytes{0xC1});
+  wire.loop.run_until(kSimStart + 1s);
+  EXPECT_EQ(wire.host_bytes(), Bytes{0x41});
+}
+
 TEST(SerialLine, WhatALiveHostSentCanBeReplayedToTheSameNanosecond) {
   struct Call {
     Bytes bytes;
@@ -261,6 +286,15 @@ TEST(SerialLineDeathTest, ABaudRateOfZeroIsAProgrammersError) {
 }
 
 // The expected bytes were worked out on paper from the bit patterns.
+
+/// Both ends frame alike.
+std::vector<ResampledByte> resample(const Bytes& bytes, int from_baud, int to_baud,
+                                    LineSettings sender) {
+  LineSettings listener = sender;
+  sender.baud = from_baud;
+  listener.baud = to_baud;
+  return virtdrive::resample(bytes, sender, listener);
+}
 
 TEST(Resample, EqualRatesGiveTheBytesBackWhateverTheFraming) {
   for (const Parity parity : {Parity::kNone, Parity::kEven, Parity::kOdd}) {

@@ -36,7 +36,7 @@ class DeviceTest : public testing::Test {
   explicit DeviceTest(DeviceOptions options = {}, SimDuration character = kCharacter)
       : port_(rig_.loop, character),
         device_(
-            rig_.loop, port_, rig_.firmware, options,
+            rig_.loop, port_, rig_.firmware, memory_, options,
             [this](const WireEvent& event) { log_ += std::string(event.text) + "\n"; },
             [this](std::string_view note) { notes_.emplace_back(note); }) {}
 
@@ -74,6 +74,7 @@ class DeviceTest : public testing::Test {
   }
 
   Rig rig_;
+  MemoryInProcess memory_;
   WirePort port_;
   std::string log_;
   std::vector<std::string> notes_;
@@ -400,6 +401,95 @@ TEST_F(DeviceTest, CommandsThatAreNotThereYetAreRefusedNotSwallowed) {
     request.pad(row.request);
     EXPECT_EQ(answer_to(static_cast<std::uint8_t>(row.code), request), "error -1") << row.name;
   }
+}
+
+// --- Non-volatile memory
+// ---------------------------------------------------------------------------
+
+TEST_F(DeviceTest, StoredParametersOutliveAResetAndOthersDoNot) {
+  EXPECT_EQ(set(1, 0x10, 7), "ok");
+  EXPECT_EQ(set(1, 0x19, 1, 0), "ok");
+  EXPECT_EQ(set(1, 0x1D, 0x64636261, 4), "ok");
+  EXPECT_EQ(ask("11 03 01 0e 13"), "11 03 00 09 13");
+  EXPECT_EQ(set(1, 0x10, 9), "ok");
+  EXPECT_EQ(set(2, 0x10, 9), "ok");
+  device_.parameters().restore();
+  EXPECT_EQ(get(1, 0x10), "7 0");
+  EXPECT_EQ(get(1, 0x19), "1 0");
+  EXPECT_EQ(get(1, 0x1D, 4), fmt::format("{} 0", 0x64636261));
+  EXPECT_EQ(get(2, 0x10), "4 0") << "channel 2 was not stored";
+}
+
+TEST_F(DeviceTest, ClearForgetsWhatWasStoredAndLeavesTheRamAlone) {
+  EXPECT_EQ(set(1, 0x10, 7), "ok");
+  EXPECT_EQ(ask("11 03 01 0e 13"), "11 03 00 09 13");
+  EXPECT_EQ(ask("11 04 00 1c 13"), "11 04 00 1c 13");
+  EXPECT_EQ(get(1, 0x10), "7 0");
+  device_.parameters().restore();
+  EXPECT_EQ(get(1, 0x10), "4 0");
+}
+
+TEST_F(DeviceTest, ADamagedBlockIsNeverLoadedHalf) {
+  EXPECT_EQ(set(1, 0x10, 7), "ok");
+  EXPECT_EQ(ask("11 03 01 0e 13"), "11 03 00 09 13");
+  const Bytes good = *memory_.read("channel1");
+  RandomStream random = Seed{1}.stream("damage");
+  for (int i = 0; i < 200; ++i) {
+    Bytes bad = good;
+    if (i % 2 == 0)
+      bad[random.bits() % bad.size()] ^= static_cast<std::uint8_t>(1 + random.bits() % 255);
+    else
+      bad.resize(random.bits() % bad.size());
+    memory_.write("channel1", bad);
+    device_.parameters().restore();
+    EXPECT_EQ(rig_.channel().settings().pole_pairs, kFactorySettings.pole_pairs);
+  }
+  memory_.write("channel1", good);
+  device_.parameters().restore();
+  EXPECT_EQ(get(1, 0x10), "7 0");
+}
+
+TEST_F(DeviceTest, AChannelThatIsNotThereIsNotStored) {
+  EXPECT_EQ(answer_to(0x03, {3}), "error -1");
+  EXPECT_EQ(answer_to(0x03, {0xFF}), "error -1");
+}
+
+// --- Torque control
+// --------------------------------------------------------------------------------
+
+TEST_F(DeviceTest, TorqueControlTellsTorquesWhereSpeedControlTellsSpeeds) {
+  Load load;
+  load.inertia_kgm2 = 2e-5;
+  load.quadratic_nm_per_radps2 = 6e-7;
+  rig_.axis_of().set_load(load);
+  EXPECT_EQ(set(1, 0xE5, 4000), "ok");
+  EXPECT_EQ(set(1, 0xE6, 30), "ok");
+  EXPECT_EQ(ask("11 10 01 77 13"), "11 10 00 70 13");
+  rig_.run_for(6s);
+  EXPECT_EQ(ask("11 11 01 70 13"), "11 11 02 79 13");
+  Decoder decoder(Direction::kReply);
+  for (const std::uint8_t byte : ask(from_hex("11 23 01 ee 13"))) decoder.push(byte);
+  const protocol::Values& state = decoder.telegram().values;
+  EXPECT_NEAR(double(state[0]), 3000, 30) << "30 mNm in 0.001 Ncm";
+  EXPECT_EQ(state[1], 3000);
+  EXPECT_NEAR(double(state[2]), 30 / 0.034, 9);
+  EXPECT_NEAR(double(state[3]), std::abs(rig_.speed_rpm()), 20);
+  EXPECT_EQ(state[5], 2);
+}
+
+TEST_F(DeviceTest, ATorqueAboveTheLimitIsRefused) {
+  EXPECT_EQ(set(1, 0xE6, 62), "ok");  // 1.85 A * 34 mNm/A is 62.9
+  EXPECT_EQ(set(1, 0xE6, 64), "error -1");
+  EXPECT_EQ(set(1, 0xE6, -1), "error -1");
+}
+
+TEST_F(DeviceTest, TheMethodOfTheNextStartIsRememberedWhileIdleAndOthersAreInvalid) {
+  EXPECT_EQ(ask("11 12 01 03 61 13"), "11 12 01 79 13");
+  EXPECT_EQ(ask("11 12 01 00 68 13"), "11 12 01 79 13");
+  EXPECT_EQ(ask("11 12 02 02 59 13"), "11 12 00 7e 13");
+  EXPECT_EQ(ask("11 11 02 79 13"), "11 11 00 77 13") << "idle";
+  EXPECT_EQ(answer_to(0x00, {2}), "ok");
+  EXPECT_EQ(ask("11 11 02 79 13"), "11 11 02 79 13");
 }
 
 // --- A running motor through telegrams -----------------------------------------------------------

@@ -248,6 +248,133 @@ TEST(ToshibaMcuShutdown, AfterAGentleStopTheAngleIsKnownAndInitpositionIsLeftOut
   EXPECT_NEAR(rig.speed_rpm(), 1000, 10);
 }
 
+// --- Torque control ------------------------------------------------------------------------------
+
+TEST(ToshibaMcuTorque, TheTorqueIsHeldWhereTheLoadTakesIt) {
+  for (const std::int32_t direction : {1, -1}) {
+    Rig rig;
+    Load load;
+    load.inertia_kgm2 = 2e-5;
+    load.quadratic_nm_per_radps2 = 6e-7;
+    rig.axis_of().set_load(load);
+    rig.board().set_speed_rpm(direction * 4000);
+    rig.board().set_torque_mnm(30);
+    ASSERT_EQ(rig.board().start_torque_control(), Outcome::kDone);
+    rig.run_for(6s);
+    EXPECT_EQ(rig.channel().method(), Method::kTorque);
+    EXPECT_NEAR(rig.axis_of().torque_nm(), direction * 0.030, 0.001);
+    // 30 mNm less 3 mNm of friction at 6e-7 Nm/(rad/s)^2 and the viscous part: about 203 rad/s.
+    EXPECT_NEAR(rig.speed_rpm(), direction * 1990, 60);
+  }
+}
+
+TEST(ToshibaMcuTorque, TheSetSpeedIsTheHighest) {
+  Rig rig;
+  Load load;
+  load.inertia_kgm2 = 1e-5;
+  rig.axis_of().set_load(load);
+  rig.board().set_speed_rpm(1500);
+  rig.board().set_torque_mnm(30);
+  rig.board().start_torque_control();
+  double highest = 0;
+  rig.loop.run_until(rig.loop.now() + 5s, [&] {
+    if (rig.channel().stage() == Stage::kFoc) highest = std::max(highest, rig.speed_rpm());
+    return false;
+  });
+  EXPECT_NEAR(rig.speed_rpm(), 1500, 30);
+  EXPECT_LT(highest, 1950) << "with the overshoot of the factory gains";
+}
+
+TEST(ToshibaMcuTorque, AMethodIsChangedWhileRunningWithoutABump) {
+  Rig rig;
+  Load load;
+  load.inertia_kgm2 = 2e-5;
+  load.quadratic_nm_per_radps2 = 4e-7;
+  rig.axis_of().set_load(load);
+  rig.run_up(2000, 5s);
+  ASSERT_NEAR(rig.speed_rpm(), 2000, 20);
+  const double before = rig.channel().internals().iq_ref_a;
+  rig.board().set_torque_mnm(60);
+  rig.board().set_method(Method::kTorque);
+  rig.run_for(1ms);
+  EXPECT_NEAR(rig.channel().internals().iq_ref_a, before, 0.05);
+  rig.run_for(1s);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 30) << "the set speed still limits";
+  rig.board().set_method(Method::kSpeed);
+  rig.run_for(1ms);
+  EXPECT_NEAR(rig.channel().internals().iq_ref_a, before, 0.1);
+  rig.run_for(1s);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 10);
+}
+
+TEST(ToshibaMcuTorque, AGentleStopRampsTheSpeedDown) {
+  Rig rig;
+  Load load;
+  load.inertia_kgm2 = 1e-5;
+  rig.axis_of().set_load(load);
+  rig.board().set_speed_rpm(1500);
+  rig.board().set_torque_mnm(30);
+  rig.board().start_torque_control();
+  rig.run_for(4s);
+  EXPECT_EQ(rig.board().stop(), Outcome::kDone);
+  EXPECT_LE(rig.run_to(Stage::kStop), 3s);
+  EXPECT_EQ(rig.channel().method(), Method::kIdle);
+  rig.board().set_speed_rpm(1000);
+  rig.board().start();
+  EXPECT_EQ(rig.channel().method(), Method::kSpeed) << "torque control was for that start only";
+}
+
+// --- Anything a host may write -------------------------------------------------------------------
+
+TEST(ToshibaMcuChannel, NoSettingsOfTheTablesRangesHarmTheBench) {
+  RandomStream random = Seed{1}.stream("settings");
+  const auto pick = [&](std::int32_t low, std::int32_t high) {
+    const double u = random.uniform();  // small values and the ends as often as the middle
+    if (u < 0.2) return low;
+    if (u < 0.4) return high;
+    return low + static_cast<std::int32_t>(std::pow(random.uniform(), 3) * (high - low));
+  };
+  for (int i = 0; i < 150; ++i) {
+    Rig rig(static_cast<std::uint64_t>(i));
+    ChannelSettings s = rig.channel().settings();
+    s.pole_pairs.value = pick(1, 100);
+    s.max_angular_acceleration = {pick(1, 10000), static_cast<std::int8_t>(pick(0, 3))};
+    s.torque_factor = {pick(0, 10000), 0};
+    s.resistance = {pick(0, 10000), static_cast<std::int8_t>(-3 * pick(0, 2))};
+    s.inductance = {pick(0, 10000), static_cast<std::int8_t>(-3 - 3 * pick(0, 2))};
+    s.speed_limit.value = pick(1, 200000);
+    s.speed_change.value = pick(1, 100);
+    s.position_delay.value = pick(0, 100);
+    s.iq_start = {pick(1, 10000), static_cast<std::int8_t>(-3 * pick(0, 1))};
+    s.iq_limit = {pick(1, 10000), static_cast<std::int8_t>(-3 * pick(0, 1))};
+    s.pi_id_ki.value = pick(0, 65535);
+    s.pi_id_kp.value = pick(0, 65535);
+    s.pi_iq_ki.value = pick(0, 65535);
+    s.pi_iq_kp.value = pick(0, 65535);
+    s.position_ki.value = pick(0, 65535);
+    s.position_kp.value = pick(0, 65535);
+    s.speed_ki.value = pick(0, 65535);
+    s.speed_kp.value = pick(0, 65535);
+    s.pwm_frequency.value = pick(1, 50000);
+    s.over_voltage.value = s.under_voltage.value = s.over_current.value = 0;
+    s.dead_time.value = pick(0, 50) * 100;
+    s.current_sensitivity = {pick(0, 10000), -3};
+    s.voltage_sensitivity = {pick(0, 10000), -3};
+    s.sensor_direction.value = pick(0, 1);
+    rig.board().set_settings(s);
+    rig.board().set_speed_rpm(pick(-3000, 3000));
+    rig.board().set_torque_mnm(pick(0, 1000));
+    if (i % 2 == 0)
+      rig.board().start();
+    else
+      rig.board().start_torque_control();
+    rig.run_for(1s);
+    rig.axis_of().advance_to(rig.loop.now());
+    EXPECT_TRUE(std::isfinite(rig.axis_of().state().angle_rad)) << i;
+    EXPECT_TRUE(std::isfinite(rig.channel().internals().omega_hz)) << i;
+  }
+}
+
 // --- Protections ---------------------------------------------------------------------------------
 
 TEST(ToshibaMcuProtection, ABusBelowSwUndervoltageIsAnEmergency) {
@@ -356,6 +483,23 @@ TEST(ToshibaMcuProtection, SpeedReductionHoldsTheLoadInsteadOfFightingIt) {
   EXPECT_LT(rig.speed_rpm(), 1990);
   EXPECT_GT(rig.speed_rpm(), 1200);
   EXPECT_LT(rig.channel().current_ma(), 1860U);
+}
+
+TEST(ToshibaMcuProtection, SpeedReductionEndsWithTheLoad) {
+  Rig rig;
+  Load load;
+  load.quadratic_nm_per_radps2 = 1.5e-6;
+  load.inertia_kgm2 = 1e-5;
+  rig.axis_of().set_load(load);
+  rig.run_up(2000, 6s);
+  EXPECT_TRUE(rig.loop.run_until(
+      rig.loop.now() + 300ms, [&] { return has(rig.channel().errors(), Fault::kSpeedReduction); }));
+  load.quadratic_nm_per_radps2 = 1e-6;  // all of it at once would pump the bus up
+  rig.axis_of().advance_to(rig.loop.now());
+  rig.axis_of().set_load(load);
+  rig.run_for(4s);
+  EXPECT_FALSE(has(rig.channel().errors(), Fault::kSpeedReduction));
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 10) << "the target is restored";
 }
 
 // --- Side by side --------------------------------------------------------------------------------
