@@ -185,7 +185,7 @@ class Unusable(CliTest):
             [
                 (run("--record", "missing/a.csv", *signals), "--record missing/a.csv", "No such"),
                 (run("--record", "folder.csv", *signals), "--record folder.csv", "directory"),
-                (run("--record", f"{UNWRITABLE}.csv", *signals), f"--record {UNWRITABLE}.csv", "denied"),
+                (run("--record", f"{UNWRITABLE}.csv", *signals), f"--record {UNWRITABLE}.csv", "cannot be written"),
                 (run("--record", "a.xls", *signals), "--record a.xls", ".csv, .vcd, .mat"),
                 (run("--record", "a.csv"), "--record", "--signals"),
                 (run(*signals), "--record", "--signals"),
