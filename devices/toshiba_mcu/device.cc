@@ -267,12 +267,15 @@ Outcome Device::get_one(const Values& request, Values& reply) {
   return outcome;
 }
 
+Outcome Device::write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value) {
+  const Outcome outcome = parameters_.write(motor_nr, id, value);
+  if (outcome == Outcome::kDone) note_if_stored(id);
+  return outcome;
+}
+
 Outcome Device::set_one(const Values& request, Values&) {
-  note_if_stored(static_cast<std::uint8_t>(request[1]));
-  const UnitValue value{static_cast<std::int32_t>(request[3]),
-                        static_cast<std::int8_t>(request[2])};
-  return parameters_.write(static_cast<std::uint8_t>(request[0]),
-                           static_cast<std::uint8_t>(request[1]), value);
+  return write(static_cast<std::uint8_t>(request[0]), static_cast<std::uint8_t>(request[1]),
+               {static_cast<std::int32_t>(request[3]), static_cast<std::int8_t>(request[2])});
 }
 
 Outcome Device::get_many(const Values& request, Values& reply) {
@@ -311,11 +314,9 @@ Outcome Device::set_many(const Values& request, Values& reply) {
     return Outcome::kDone;
   }
   for (std::size_t i = 0; i < entries; ++i) {
-    note_if_stored(static_cast<std::uint8_t>(request[2 + 3 * i]));
     const UnitValue value{static_cast<std::int32_t>(request[4 + 3 * i]),
                           static_cast<std::int8_t>(request[3 + 3 * i])};
-    if (parameters_.write(motor_nr, static_cast<std::uint8_t>(request[2 + 3 * i]), value) !=
-        Outcome::kDone) {
+    if (write(motor_nr, static_cast<std::uint8_t>(request[2 + 3 * i]), value) != Outcome::kDone) {
       reply = {1, static_cast<std::int64_t>(i)};
       return Outcome::kDone;
     }

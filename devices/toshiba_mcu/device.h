@@ -66,6 +66,7 @@ class Device final : public SerialReceiver {
   void answer_request();
   void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
   void listen_again();
+  Outcome write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value);
   void note_if_stored(std::uint8_t id);
   void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
   PowerBoard* board(std::int64_t motor_nr);

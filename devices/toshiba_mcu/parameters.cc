@@ -34,9 +34,6 @@ constexpr ReadSystem kConstant = [](Firmware&) -> std::int32_t { return Value; }
 constexpr ReadText kBoardName = []() -> const Name& { return kIdentity.board; };
 constexpr ReadText kPowerBoardName = []() -> const Name& { return kIdentity.power_board; };
 
-constexpr std::int32_t kVersionWord = kIdentity.version_major << 8 | kIdentity.version_minor;
-constexpr std::int32_t kSystemLoadPercent = 20;
-
 constexpr ReadSystem kResetStatus = [](Firmware& f) { return f.take_reset_status(); };
 constexpr ReadSystem kTemperature = [](Firmware& f) {
   return static_cast<std::int32_t>(std::lround(f.board(0).temperature_degc()));
@@ -119,7 +116,7 @@ constexpr auto kBindings = std::to_array<Binding<Target>>({
     {0x98, kPowerBoardName},
     {0xB0, kConstant<kVersionWord>},
     {0xB1, kResetStatus},
-    {0xB2, kConstant<kSystemLoadPercent>},
+    {0xB2, kConstant<kIdentity.system_load_percent>},
     {0xE0, kTemperature},
     {0xE1, kErrorState},
     {0xE2, kDcLinkVoltage},

@@ -227,6 +227,9 @@ inline constexpr UnitCode kVoltageSensitivityUnits[] = {{-3, "mV/V"}};
 
 // --- Parameters (5.1) ----------------------------------------------------------------------------
 
+/// FirmwareVersion as the parameter tells it (5.1.62).
+inline constexpr std::int32_t kVersionWord = kIdentity.version_major << 8 | kIdentity.version_minor;
+
 constexpr FactoryValue factory(UnitValue v) {
   return {v.value, v.unit};
 }
@@ -406,12 +409,12 @@ inline constexpr ParameterRow kParameters[] = {
     {.id = 0x98, .name = "BoardNamePWR2", .type = WireType::kText, .count = 20,
      .access = Access::kReadOnly, .source = "5.1.61", .doc = "Name of channel 2's power board."},
     {.id = 0xB0, .name = "FirmwareVersion", .access = Access::kReadOnly, .range = kAnyI32,
-     .factory = {kIdentity.version_major << 8 | kIdentity.version_minor}, .source = "5.1.62",
+     .factory = {kVersionWord}, .source = "5.1.62",
      .doc = "Byte 1 major, byte 0 minor: the reverse of command 0x14."},
     {.id = 0xB1, .name = "ResetStatus", .access = Access::kReadOnly, .range = kFlag, .factory = {1},
      .source = "5.1.63", .doc = "1 at the first read after a reset, then 0."},
     {.id = 0xB2, .name = "SystemLoad", .access = Access::kReadOnly, .range = {0, 100},
-     .factory = {20}, .unit = "%", .evidence = Evidence::kAssumed, .source = "5.1.64",
+     .factory = {kIdentity.system_load_percent}, .unit = "%", .evidence = Evidence::kAssumed, .source = "5.1.64",
      .doc = "Load of the MCU: a constant, the simulation has no CPU."},
     {.id = 0xE0, .name = "Temperature", .access = Access::kReadOnly, .range = {-40, 150},
      .factory = {25}, .unit = "degC", .source = "5.1.65",

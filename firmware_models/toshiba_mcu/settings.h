@@ -132,6 +132,7 @@ struct Identity {
   Name power_board{"SIM-PWR"};
   std::uint8_t version_major = 3;
   std::uint8_t version_minor = 10;
+  std::uint8_t system_load_percent = 20;  // assumed: the simulation has no CPU to be loaded
 };
 
 inline constexpr Identity kIdentity{};

@@ -343,6 +343,8 @@ TEST_F(DeviceTest, ANameIsWrittenFourBytesAtTheOffsetInTheUnitField) {
 }
 
 TEST_F(DeviceTest, AWriteWithoutEffectIsNotedOnce) {
+  EXPECT_EQ(set(1, 0x30, 99), "error -1");
+  EXPECT_TRUE(notes_.empty()) << "nothing was stored";
   EXPECT_EQ(set(1, 0x30, 1), "ok");
   EXPECT_EQ(set(2, 0x30, 3), "ok");
   EXPECT_EQ(set(1, 0x10, 4), "ok");
