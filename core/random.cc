@@ -18,10 +18,22 @@ double RandomStream::bell() {
   return (sum - kMean) * kInverseDeviation;
 }
 
-RandomStream Seed::stream(std::string_view consumer) const {
+namespace {
+
+std::uint64_t mix(std::uint64_t seed, std::string_view name) {
   std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
-  for (const char c : consumer) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return RandomStream{hash ^ (value_ * 0x9e3779b97f4a7c15)};
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash ^ (seed * 0x9e3779b97f4a7c15);
+}
+
+}  // namespace
+
+RandomStream Seed::stream(std::string_view consumer) const {
+  return RandomStream{mix(value_, consumer)};
+}
+
+Seed Seed::scope(std::string_view name) const {
+  return name.empty() ? *this : Seed{mix(value_, name)};
 }
 
 }  // namespace virtdrive

@@ -33,6 +33,8 @@ class Seed {
   std::uint64_t value() const { return value_; }
   /// The stream of a consumer, e.g. "motor0.current_adc".
   RandomStream stream(std::string_view consumer) const;
+  /// A seed of its own for one of several equals, e.g. "left"; "" is this seed.
+  Seed scope(std::string_view name) const;
 
  private:
   std::uint64_t value_;

@@ -22,7 +22,12 @@ std::vector<std::string_view> names_of(const std::vector<Input>& inputs) {
 
 }  // namespace
 
+void Registry::set_scope(std::string_view scope) {
+  prefix_ = scope.empty() ? "" : fmt::format("{}.", scope);
+}
+
 void Registry::add(Signal signal) {
+  signal.name.insert(0, prefix_);
   VIRTDRIVE_CHECK(std::ranges::find(signals_, signal.name, &Signal::name) == signals_.end(),
                   "signal {} registered twice", signal.name);
   signals_.push_back(std::move(signal));
@@ -30,6 +35,7 @@ void Registry::add(Signal signal) {
 
 void Registry::add(Input input) {
   add(input.signal);
+  input.signal.name.insert(0, prefix_);
   inputs_.push_back(std::move(input));
 }
 
@@ -52,6 +58,30 @@ void Registry::set(std::string_view name, double value) const {
                                  input.minimum, input.maximum));
   }
   input.write(value);
+}
+
+const Input& Registry::fault(std::string_view name) const {
+  std::vector<std::string_view> names;
+  for (const Input& input : inputs_) {
+    if (!input.fault) continue;
+    if (input.signal.name == name) return input;
+    names.push_back(input.signal.name);
+  }
+  throw SetupError(unknown_name("fault", name, names));
+}
+
+void Registry::inject(std::string_view name, double severity) const {
+  set(fault(name).signal.name, severity);
+}
+
+void Registry::clear(std::string_view name) const {
+  fault(name).write(0);
+}
+
+void Registry::clear_faults() const {
+  for (const Input& input : inputs_) {
+    if (input.fault) input.write(0);
+  }
 }
 
 }  // namespace virtdrive

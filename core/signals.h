@@ -2,7 +2,9 @@
 // status line know a bench only through this registry.
 //
 // A signal is read ("motor0.speed", rpm). An input is also written ("load0.brake_torque", Nm). A
-// name is component.quantity; the component carries the channel's number.
+// fault is an input that is 0 while all is well ("motor0.phase_a_open"). A name is
+// component.quantity; the component carries the channel's number, and the drive's name goes before
+// it where a bench has several ("left.motor0.speed").
 #pragma once
 
 #include <functional>
@@ -21,14 +23,17 @@ struct Signal {
 };
 
 struct Input {
-  Signal signal;
+  Signal signal{};
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  std::function<void(double)> write;
+  std::function<void(double)> write = {};
+  bool fault = false;
 };
 
 class Registry {
  public:
+  /// From now on `scope` and a dot go before what is added; empty: nothing does.
+  void set_scope(std::string_view scope);
   void add(Signal signal);
   void add(Input input);
 
@@ -43,7 +48,17 @@ class Registry {
   /// Writes an input; SetupError if the name is unknown or the value out of its range.
   void set(std::string_view input, double value) const;
 
+  /// Makes a fault be there, `severity` strong: 1 for those that are there or not. SetupError if
+  /// the name is no fault's or the severity outside of its range.
+  void inject(std::string_view fault, double severity = 1) const;
+  void clear(std::string_view fault) const;
+  /// Makes every fault go.
+  void clear_faults() const;
+
  private:
+  const Input& fault(std::string_view name) const;
+
+  std::string prefix_;
   std::vector<Signal> signals_;
   std::vector<Input> inputs_;
 };

@@ -7,10 +7,17 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "core/sim_time.h"
 
 namespace virtdrive {
+
+/// The drive answered with an error, or wrongly, or not at all.
+class ClientError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class HostTransport {
  public:

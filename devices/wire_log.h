@@ -35,6 +35,11 @@ struct WireCounters {
   std::uint64_t replies = 0;
   std::uint64_t bad_frames = 0;
   std::uint64_t bytes_lost = 0;  // while busy
+
+  friend WireCounters operator+(const WireCounters& a, const WireCounters& b) {
+    return {a.requests + b.requests, a.replies + b.replies, a.bad_frames + b.bad_frames,
+            a.bytes_lost + b.bytes_lost};
+  }
 };
 
 }  // namespace virtdrive

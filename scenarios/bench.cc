@@ -1,129 +1,97 @@
 #include "scenarios/bench.h"
 
+#include <algorithm>
 #include <fmt/format.h>
-#include <limits>
-#include <numbers>
-#include <utility>
 
-#include "scenarios/nvm_file.h"
+#include "core/check.h"
+#include "core/names.h"
+#include "scenarios/line_transport.h"
 
 namespace virtdrive {
 namespace {
 
-constexpr double kRpmPerRadps = 30 / std::numbers::pi;
-constexpr double kDegPerRad = 180 / std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// The one whose name is asked for, in a list of things that have names.
+template <class Things, class NameOf>
+auto& named(Things& things, std::string_view kind, std::string_view name, NameOf name_of) {
+  std::vector<std::string_view> names;
+  for (auto& thing : things) {
+    if (name_of(*thing) == name) return *thing;
+    names.push_back(name_of(*thing));
+  }
+  throw SetupError(unknown_name(kind, name, names));
+}
 
-std::unique_ptr<NonVolatileMemory> open_memory(const BenchOptions& options,
-                                               std::string_view drive) {
-  if (options.nvm.empty()) return std::make_unique<MemoryInProcess>();
-  return std::make_unique<NvmFile>(options.nvm, drive, options.notes);
+std::string_view line_of(const DriveSpec& drive, const std::vector<LineSpec>& lines) {
+  return drive.line.empty() ? std::string_view(lines.front().name) : drive.line;
 }
 
 }  // namespace
 
-Bench::Bench(const BenchOptions& options)
-    : kind_(find_drive(options.drive)),
-      motor_(find_motor(options.motor.empty() ? kind_.default_motor : options.motor)),
-      seed_(options.seed),
-      line_(loop_, {.timing = options.line, .baud = options.baud.value_or(kind_.default_baud)}),
-      memory_(open_memory(options, kind_.name)),
-      drive_(kind_.make({.loop = loop_,
-                         .port = line_.device_port(),
-                         .seed = seed_,
-                         .memory = *memory_,
-                         .motor = motor_,
-                         .integrator = options.integrator,
-                         .ideal_line = options.line == LineTiming::kIdeal,
-                         .lenient = options.lenient,
-                         .listener = options.listener,
-                         .notes = options.notes})),
-      load_steps_(parse_load(options.load)),
-      load_step_(loop_.add(Phase::kScenario, [this] { apply_due_load_steps(); })) {
-  line_.attach(drive_->receiver());
-  for (std::size_t i = 0; i < drive_->channels(); ++i) register_plant(i);
-  drive_->register_signals(registry_);
-  for (const std::string& assignment : options.set) drive_->set_parameter(assignment);
-  apply_due_load_steps();
+Bench::Bench(const BenchOptions& options) : seed_(options.seed) {
+  if (options.drives.empty()) throw SetupError("a bench needs a drive");
+  if (options.lines.empty()) throw SetupError("a bench needs a line");
+  for (const LineSpec& line : options.lines) add_line(line, options);
+  for (const DriveSpec& drive : options.drives) add_drive(drive, options);
+  registry_.set_scope("");
 }
 
-void Bench::apply_due_load_steps() {
-  for (; next_load_step_ < load_steps_.size(); ++next_load_step_) {
-    const LoadStep& step = load_steps_[next_load_step_];
-    if (step.at > loop_.now()) {
-      load_step_.at(step.at);
-      return;
-    }
-    for (std::size_t i = 0; i < drive_->channels(); ++i) {
-      Axis& axis = drive_->axis(i);
-      axis.advance_to(loop_.now());
-      Load load = axis.load();
-      load.*step.quantity = step.value;
-      axis.set_load(load);
-    }
+void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
+  for (const auto& other : lines_) {
+    if (other->name == spec.name) throw SetupError(fmt::format("two lines named '{}'", spec.name));
   }
+  const auto on_it = [&](const DriveSpec& drive) {
+    return line_of(drive, options.lines) == spec.name;
+  };
+  const auto first = std::ranges::find_if(options.drives, on_it);
+  if (first == options.drives.end()) {
+    throw SetupError(fmt::format("no drive is on line '{}'", spec.name));
+  }
+  const int baud = spec.baud.value_or(find_drive(first->kind).default_baud);
+  lines_.push_back(std::make_unique<NamedLine>(loop_, spec, baud));
 }
 
-void Bench::register_plant(std::size_t channel) {
-  Axis& axis = drive_->axis(channel);
-  // The plant is as far as its last control step; whoever looks at it brings it to the present.
-  const auto present = [this, &axis]() -> const Axis& {
-    axis.advance_to(loop_.now());
-    return axis;
-  };
-  const auto signal = [&](std::string_view component, std::string_view quantity, std::string unit,
-                          std::string doc, auto read) {
-    registry_.add(Signal{fmt::format("{}{}.{}", component, channel, quantity), std::move(unit),
-                         std::move(doc), [present, read] { return read(present()); }});
-  };
-  signal("motor", "speed", "rpm", "Rotor speed",
-         [](const Axis& a) { return a.state().speed_radps * kRpmPerRadps; });
-  signal("motor", "angle", "deg", "Rotor angle, mechanical, counted on over the turns",
-         [](const Axis& a) { return a.state().angle_rad * kDegPerRad; });
-  signal("motor", "torque", "Nm", "Air-gap torque", [](const Axis& a) { return a.torque_nm(); });
-  signal("motor", "current_d", "A", "d current, in the rotor's frame",
-         [](const Axis& a) { return a.state().i_d_a; });
-  signal("motor", "current_q", "A", "q current, in the rotor's frame",
-         [](const Axis& a) { return a.state().i_q_a; });
-  for (std::size_t phase = 0; phase < 3; ++phase) {
-    const char letter = static_cast<char>('a' + phase);
-    signal("motor", fmt::format("current_{}", letter), "A",
-           fmt::format("Current into phase {}", letter),
-           [phase](const Axis& a) { return a.phase_currents_a()[phase]; });
+void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {
+  for (const auto& other : drives_) {
+    if (other->name() == spec.name) {
+      throw SetupError(fmt::format("two drives named '{}'", spec.name));
+    }
   }
-  signal("bus", "voltage", "V", "DC link voltage", [](const Axis& a) { return a.state().bus_v; });
-  signal("bus", "current", "A", "Current out of the supply",
-         [](const Axis& a) { return a.source_current_a(); });
-  signal("load", "torque", "Nm", "Torque that the load asks of the shaft",
-         [](const Axis& a) { return a.load_torque_nm(); });
-
-  const auto load_input = [&](std::string_view quantity, std::string unit, std::string doc,
-                              double minimum, double Load::* member) {
-    registry_.add(Input{{fmt::format("load{}.{}", channel, quantity), std::move(unit),
-                         std::move(doc), [&axis, member] { return axis.load().*member; }},
-                        minimum,
-                        kInfinity,
-                        [present, &axis, member](double value) {
-                          Load load = present().load();
-                          load.*member = value;
-                          axis.set_load(load);
-                        }});
+  WireListener listener;
+  if (options.listener) {
+    listener = [tell = options.listener, name = spec.name](const WireEvent& event) {
+      tell(name, event);
+    };
+  }
+  // A line that is not there is the drive's mistake: say whose.
+  const auto line_named = [&]() -> SerialLine& {
+    try {
+      return line(line_of(spec, options.lines));
+    } catch (const SetupError& error) {
+      throw SetupError(fmt::format("drive '{}': {}", spec.name, error.what()));
+    }
   };
-  load_input("brake_torque", "Nm", "Torque against the motion", 0, &Load::brake_torque_nm);
-  load_input("constant_torque", "Nm", "Torque against positive rotation", -kInfinity,
-             &Load::external_torque_nm);
-  load_input("quadratic", "Nm/(rad/s)^2", "Fan or pump", 0, &Load::quadratic_nm_per_radps2);
-  load_input("viscous", "Nm/(rad/s)", "Viscous load", 0, &Load::viscous_nm_per_radps);
-  load_input("inertia", "kgm2", "Inertia coupled to the shaft", 0, &Load::inertia_kgm2);
-  registry_.add(
-      Input{{fmt::format("supply{}.voltage", channel), "V", "Open-circuit voltage of the supply",
-             [&axis] { return axis.parameters().link.source_v; }},
-            0,
-            1000,
-            [present, &axis](double volts) {
-              present();
-              axis.set_source_voltage(volts);
-            }});
+  drives_.push_back(
+      std::make_unique<BenchDrive>(spec, BenchDrive::Surroundings{.loop = loop_,
+                                                                  .line = line_named(),
+                                                                  .seed = seed_,
+                                                                  .integrator = options.integrator,
+                                                                  .listener = std::move(listener),
+                                                                  .notes = options.notes}));
+  registry_.set_scope(spec.name);
+  drives_.back()->register_signals(registry_);
+}
+
+BenchDrive& Bench::drive(std::string_view name) {
+  return named(drives_, "drive", name,
+               [](const BenchDrive& drive) -> auto& { return drive.name(); });
+}
+
+SerialLine& Bench::line(std::string_view name) {
+  return named(lines_, "line", name, [](const NamedLine& line) -> auto& { return line.name; }).line;
+}
+
+std::unique_ptr<HostClient> Bench::host(BenchDrive& drive) {
+  return drive.kind().make_host(std::make_unique<LineTransport>(loop_, drive.line()));
 }
 
 }  // namespace virtdrive

@@ -1,40 +1,46 @@
-// A test bench: one drive with its motors, loads and supplies, on one serial line, in virtual time.
+// A test bench in virtual time: drives with their motors and loads, the serial lines between them
+// and their hosts, and everything on it by name.
 //
-//   Bench bench({.drive = "toshiba-mcu", .load = "brake:20mNm@2s"});
-//   bench.loop().run_until(kSimStart + 3s);
-//   bench.registry().signal("motor1.speed").read();
+//   Bench bench({.drives = {{.kind = "toshiba-mcu", .load = "brake:20mNm@2s"}}});
+//   bench.host()->start_motor(1, 2000);
+//   bench.run_until(kSimStart + 3s, [&] { return bench.read("motor1.speed") > 1900; });
+//   bench.set("supply1.voltage", 18);
+//   bench.drive().power_off();
 //
-// It knows no file descriptor and no wall clock: an endpoint and a runner (pty/) join it to the
-// world. Two benches in one process share nothing.
+// It knows no file descriptor and no wall clock: an endpoint for each line and a runner (pty/) join
+// it to the world. Two benches in one process share nothing.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/event_loop.h"
 #include "core/random.h"
 #include "core/signals.h"
 #include "pty/serial_line.h"
-#include "scenarios/drive.h"
-#include "scenarios/load_spec.h"
+#include "scenarios/bench_drive.h"
+#include "scenarios/host_client.h"
 
 namespace virtdrive {
 
+struct LineSpec {
+  std::string name = "line";
+  LineTiming timing = LineTiming::kReal;
+  std::optional<int> baud;  // none: the default of the first drive on it
+};
+
 struct BenchOptions {
-  std::string drive;
-  std::string motor;  // empty: the drive's default
-  std::string load = "none";
-  LineTiming line = LineTiming::kReal;
-  std::optional<int> baud;  // none: the drive's default
+  std::vector<DriveSpec> drives;  // at least one
+  std::vector<LineSpec> lines = {LineSpec{}};
   std::uint64_t seed = 1;
   Integrator integrator = Integrator::kDefault;
-  bool lenient = false;
-  std::vector<std::string> set;  // "NAME=VALUE"
-  std::string nvm;               // file of the drive's non-volatile memory; empty: none is kept
-  WireListener listener;
+  /// Frames as a drive hears and says them; the drive's name comes first.
+  std::function<void(std::string_view drive, const WireEvent&)> listener;
   NoteListener notes;
 };
 
@@ -46,28 +52,49 @@ class Bench {
   Bench& operator=(const Bench&) = delete;
 
   EventLoop& loop() { return loop_; }
-  SerialLine& line() { return line_; }
-  Drive& drive() { return *drive_; }
-  const Registry& registry() const { return registry_; }
-  const DriveKind& kind() const { return kind_; }
-  const Motor& motor() const { return motor_; }
   std::uint64_t seed() const { return seed_.value(); }
 
- private:
-  void register_plant(std::size_t channel);
-  void apply_due_load_steps();
+  /// The first one, or by its name; SetupError for an unknown name.
+  BenchDrive& drive() { return *drives_.front(); }
+  BenchDrive& drive(std::string_view name);
+  SerialLine& line() { return lines_.front()->line; }
+  SerialLine& line(std::string_view name);
+  const std::vector<std::unique_ptr<BenchDrive>>& drives() const { return drives_; }
 
-  const DriveKind& kind_;
-  const Motor& motor_;
+  /// Every signal, input and fault.
+  const Registry& registry() const { return registry_; }
+  double read(std::string_view signal) const { return registry_.signal(signal).read(); }
+  void set(std::string_view input, double value) const { registry_.set(input, value); }
+
+  void run_until(SimTime t) { loop_.run_until(t); }
+  void run_for(SimDuration duration) { loop_.run_until(loop_.now() + duration); }
+  /// True as soon as the condition is; false when it never was until `limit`.
+  bool run_until(SimTime limit, const std::function<bool()>& condition) {
+    return loop_.run_until(limit, condition);
+  }
+
+  /// A host program inside the simulation, at the host end of the drive's line, in the words of the
+  /// drive's protocol. Simulated time passes while it waits for an answer. It takes the host end
+  /// from who had it and gives it back when it is destroyed: the last one first.
+  std::unique_ptr<HostClient> host() { return host(drive()); }
+  std::unique_ptr<HostClient> host(BenchDrive& drive);
+
+ private:
+  struct NamedLine {
+    NamedLine(EventLoop& loop, const LineSpec& spec, int baud)
+        : name(spec.name), line(loop, {.timing = spec.timing, .baud = baud}) {}
+    std::string name;
+    SerialLine line;
+  };
+
+  void add_line(const LineSpec& spec, const BenchOptions& options);
+  void add_drive(const DriveSpec& spec, const BenchOptions& options);
+
   Seed seed_;
   EventLoop loop_;
-  SerialLine line_;
-  std::unique_ptr<NonVolatileMemory> memory_;
-  std::unique_ptr<Drive> drive_;
+  std::vector<std::unique_ptr<NamedLine>> lines_;
+  std::vector<std::unique_ptr<BenchDrive>> drives_;
   Registry registry_;
-  std::vector<LoadStep> load_steps_;
-  std::size_t next_load_step_ = 0;
-  Wakeup load_step_;
 };
 
 }  // namespace virtdrive

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,7 @@
 #include "devices/wire_log.h"
 #include "plant/axis.h"
 #include "plant/motor_library.h"
+#include "scenarios/host_client.h"
 
 namespace virtdrive {
 
@@ -26,7 +28,7 @@ struct DriveContext {
   SerialPort& port;  // its transmitter
   const Seed& seed;
   NonVolatileMemory& memory;
-  const Motor& motor;  // at each of its channels
+  std::span<const Motor* const> motors;  // one a channel
   Integrator integrator = Integrator::kDefault;
   bool ideal_line = false;  // answers at once
   bool lenient = false;
@@ -38,22 +40,24 @@ class Drive {
  public:
   virtual ~Drive() = default;
 
-  /// Its end of the line.
+  /// Its end of the line; deaf while there is no power.
   virtual SerialReceiver& receiver() = 0;
-  virtual std::size_t channels() const = 0;
   virtual Axis& axis(std::size_t channel) = 0;
+
+  /// The controller loses its supply: gates off, the program and all that it had in RAM gone.
+  virtual void power_off() = 0;
+  /// It starts anew with what its non-volatile memory holds. Begins powered.
+  virtual void power_on() = 0;
 
   /// Adds the firmware's own signals and the board's inputs; the plant's are the bench's.
   virtual void register_signals(Registry& registry) = 0;
   /// "NAME=VALUE" as on the command line, e.g. "MaxAngAcc=800" or "2.IqStart=1200mA"; SetupError if
   /// the name is unknown or the value refused.
   virtual void set_parameter(std::string_view assignment) = 0;
-  /// Sends what a host would to make the motor of a channel turn; SetupError if the drive refuses.
-  virtual void start_motor(HostTransport& transport, std::size_t channel, double rpm) = 0;
 
   /// The channels that do something, in one line.
   virtual std::string status() = 0;
-  virtual const WireCounters& wire_counters() const = 0;
+  virtual WireCounters wire_counters() const = 0;
 };
 
 /// An entry of the catalogue.
@@ -61,9 +65,11 @@ struct DriveKind {
   std::string_view name;  // as typed: "toshiba-mcu"
   std::string_view default_motor;
   int default_baud;
+  std::size_t channels;         // motors that it drives
   std::size_t default_channel;  // the motor number of the document's examples
   const protocol::ProtocolTable& table;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
+  std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;
 };
 
 const std::vector<DriveKind>& drive_catalogue();

@@ -65,13 +65,27 @@ double parse_quantity(std::string_view part, std::string_view text,
   fail(part, fmt::format("unknown unit '{}', expected {}", unit, known));
 }
 
-LoadStep parse_step(std::string_view part) {
+std::size_t parse_channel(std::string_view part, std::string_view text, std::size_t channels) {
+  std::size_t channel = 0;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, channel);
+  if (error == std::errc{} && end == last && channel < channels) return channel;
+  fail(part, fmt::format("channel '{}' is not 0 ... {}", text, channels - 1));
+}
+
+LoadStep parse_step(std::string_view part, std::size_t channels) {
   if (part.empty()) throw SetupError("--load: nothing before or behind a comma");
   const std::size_t colon = part.find(':');
-  if (colon == std::string_view::npos) fail(part, "expected KIND:VALUE[UNIT][@TIME]");
-  const Kind& kind = find_kind(part, part.substr(0, colon));
+  if (colon == std::string_view::npos) fail(part, "expected [CHANNEL.]KIND:VALUE[UNIT][@TIME]");
+  LoadStep step;
+  std::string_view name = part.substr(0, colon);
+  if (const std::size_t dot = name.find('.'); dot != std::string_view::npos) {
+    step.channel = parse_channel(part, name.substr(0, dot), channels);
+    name.remove_prefix(dot + 1);
+  }
+  const Kind& kind = find_kind(part, name);
+  step.quantity = kind.quantity;
   std::string_view value = part.substr(colon + 1);
-  LoadStep step{.quantity = kind.quantity};
   if (const std::size_t at = value.find('@'); at != std::string_view::npos) {
     const double s = parse_quantity(part, value.substr(at + 1), kTimeUnits);
     if (s < 0 || s > 1e9) fail(part, "the time must be 0 ... 1e9 s");
@@ -86,16 +100,17 @@ LoadStep parse_step(std::string_view part) {
 }  // namespace
 
 const std::string kLoadHelp =
-    "none, or KIND:VALUE[UNIT][@TIME],...: brake (Nm, mNm; against the motion), constant (Nm, mNm; "
+    "none, or [CHANNEL.]KIND:VALUE[UNIT][@TIME],...: brake (Nm, mNm; against the motion), constant "
+    "(Nm, mNm; "
     "against positive rotation), quadratic (Nm/(rad/s)^2), viscous (Nm/(rad/s)), inertia (kgm2, "
     "gcm2); with @TIME (s, ms) it steps there";
 
-std::vector<LoadStep> parse_load(std::string_view text) {
+std::vector<LoadStep> parse_load(std::string_view text, std::size_t channels) {
   std::vector<LoadStep> steps;
   if (text.empty() || text == "none") return steps;
   while (true) {
     const std::size_t comma = text.find(',');
-    steps.push_back(parse_step(text.substr(0, comma)));
+    steps.push_back(parse_step(text.substr(0, comma), channels));
     if (comma == std::string_view::npos) break;
     text.remove_prefix(comma + 1);
   }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -10,12 +9,6 @@
 #include "devices/toshiba_mcu/codec.h"
 
 namespace virtdrive::toshiba_mcu {
-
-/// The drive answered with an error telegram, or not at all.
-class ClientError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct MotorState {
   std::int32_t actual_rpm;

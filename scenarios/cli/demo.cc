@@ -44,7 +44,7 @@ class DemoHost {
                "target", "mA", "mNm", "bus V", "");
     watch("accelerating", 2000);
     if (std::abs(client_.motor_state(kMotor).actual_rpm - kSpeedRpm) > 40) {
-      throw toshiba_mcu::ClientError("the motor did not reach its speed");
+      throw ClientError("the motor did not reach its speed");
     }
     load_nm = kLoadNm;
     watch(fmt::format("load {:.0f} mNm", kLoadNm * 1e3), 3000);
@@ -52,7 +52,7 @@ class DemoHost {
     watch("load off", 3500);
     client_.stop_motor(kMotor);
     watch("stopping", 5200);
-    if (stage() != Stage::kStop) throw toshiba_mcu::ClientError("the motor did not stop");
+    if (stage() != Stage::kStop) throw ClientError("the motor did not stop");
   }
 
   /// As the drive told it; to be asked after play().
@@ -97,8 +97,8 @@ std::string message_of(const std::exception_ptr& failure) {
 
 int demo(const DemoOptions& options) {
   DemoReport report(kMotor);
-  Bench bench({.drive = "toshiba-mcu",
-               .listener = [&](const WireEvent& event) { report.add_frame(event); }});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}},
+               .listener = [&](auto, const WireEvent& event) { report.add_frame(event); }});
   const Sampler sampler(bench.loop(), bench.registry(), report.signals(), kSampleInterval,
                         [&](SimTime time, auto values) { report.add_row(time, values); });
   PtyEndpoint port(bench.line(), options.link);
@@ -106,14 +106,15 @@ int demo(const DemoOptions& options) {
   if (!options.report.empty()) page.emplace("--report", options.report);
   Runner runner(bench.loop(), {.rate = 1.0});
   runner.add(port);
-  fmt::print("{} with motor {} on {}\n", bench.kind().table.title, bench.motor().name, port.path());
+  fmt::print("{} with motor {} on {}\n", bench.drive().kind().table.title,
+             bench.drive().motor(kMotor).name, port.path());
 
   DemoHost host(port.path(), bench.line().settings().baud);
   const std::string load = fmt::format("load{}.brake_torque", kMotor);
   Wakeup load_watch;
   load_watch = bench.loop().add(Phase::kScenario, [&] {
     const double load_nm = host.load_nm;
-    bench.registry().set(load, load_nm);
+    bench.set(load, load_nm);
     report.add_load(bench.loop().now(), load_nm);
     load_watch.at(bench.loop().now() + 10ms);
   });
@@ -143,7 +144,7 @@ int demo(const DemoOptions& options) {
   }
   if (failure) std::rethrow_exception(failure);
 
-  const WireCounters& wire = bench.drive().wire_counters();
+  const WireCounters wire = bench.drive().controller().wire_counters();
   fmt::print("\n{} requests, {} replies, {} bad frames, {} bytes lost, {} overruns\n",
              wire.requests, wire.replies, wire.bad_frames, wire.bytes_lost, pacing.overruns);
   if (page) fmt::print("plots of it all: {}, for any browser\n", options.report);

@@ -75,9 +75,10 @@ std::vector<double> DemoReport::column(std::string_view name, double factor) con
 
 Report DemoReport::make(Bench& bench, const std::string& firmware,
                         const std::string& result) const {
-  const WireCounters& wire = bench.drive().wire_counters();
+  BenchDrive& drive = bench.drive();
+  const WireCounters wire = drive.controller().wire_counters();
   Report report;
-  report.title = fmt::format("virtdrive demo: {}", bench.kind().table.title);
+  report.title = fmt::format("virtdrive demo: {}", drive.kind().table.title);
   report.summary = fmt::format(
       "An emulated drive turns a simulated motor, and a host program commands it over a "
       "pseudo-terminal as it would a real one: accelerate, hold the speed while a load is put on "
@@ -85,10 +86,10 @@ Report DemoReport::make(Bench& bench, const std::string& firmware,
       "to read its values.");
   report.facts = {
       {"Drive", firmware.empty()
-                    ? std::string(bench.kind().name)
-                    : fmt::format("{}, tells firmware {}", bench.kind().name, firmware)},
-      {"Motor", fmt::format("{} on channel {}: {}", bench.motor().name, channel_,
-                            bench.motor().description)},
+                    ? std::string(drive.kind().name)
+                    : fmt::format("{}, tells firmware {}", drive.kind().name, firmware)},
+      {"Motor", fmt::format("{} on channel {}: {}", drive.motor(channel_).name, channel_,
+                            drive.motor(channel_).description)},
       {"Result", result},
       {"Simulated", fmt::format("{:.3f} s, sampled each ms", seconds(bench.loop().now()))},
       {"Line", fmt::format("{} baud", bench.line().settings().baud)},

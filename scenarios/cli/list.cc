@@ -6,6 +6,16 @@
 
 namespace virtdrive {
 
+namespace {
+
+std::string_view kind_of(const Signal& signal, const Registry& registry) {
+  const auto it = std::ranges::find(registry.inputs(), signal.name,
+                                    [](const Input& input) { return input.signal.name; });
+  return it == registry.inputs().end() ? "signal" : it->fault ? "fault" : "input";
+}
+
+}  // namespace
+
 int list_drives(bool names_only) {
   for (const DriveKind& kind : drive_catalogue()) {
     if (names_only) {
@@ -34,13 +44,10 @@ int list_motors() {
 }
 
 int list_signals(const std::string& drive) {
-  const Bench bench({.drive = drive});
+  const Bench bench({.drives = {{.kind = drive}}});
   for (const Signal& signal : bench.registry().signals()) {
-    const auto& inputs = bench.registry().inputs();
-    const bool input = std::ranges::any_of(
-        inputs, [&](const Input& candidate) { return candidate.signal.name == signal.name; });
-    fmt::print("{:<22} {:<13} {} {}\n", signal.name, signal.unit, input ? "input " : "signal",
-               signal.doc);
+    fmt::print("{:<22} {:<13} {:<6} {}\n", signal.name, signal.unit,
+               kind_of(signal, bench.registry()), signal.doc);
   }
   return kExitOk;
 }

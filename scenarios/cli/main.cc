@@ -38,6 +38,8 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("run", "Put a drive on a pseudo-terminal and run it");
   auto options = std::make_shared<RunOptions>();
   BenchOptions& bench = options->bench;
+  DriveSpec& drive = bench.drives.emplace_back();
+  LineSpec& line = bench.lines.front();
   // Words that the callback turns into what they mean.
   struct Words {
     std::string rate = "1";
@@ -46,7 +48,7 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   };
   auto words = std::make_shared<Words>();
 
-  command->add_option("DRIVE", bench.drive, "The drive: see 'virtdrive list drives'")->required();
+  command->add_option("DRIVE", drive.kind, "The drive: see 'virtdrive list drives'")->required();
   CLI::Option* const link =
       command->add_option("--link", options->link, "Make this path a symlink to the terminal")
           ->check(not_empty());
@@ -75,8 +77,11 @@ void add_run(CLI::App& app, std::function<int()>& action) {
                    "real: character times and the drive's latency; ideal: none")
       ->check(CLI::IsMember({"real", "ideal"}))
       ->capture_default_str();
-  command->add_option("--motor", bench.motor, "The motor: see 'virtdrive list motors'");
-  command->add_option("--load", bench.load, kLoadHelp)->check(not_empty())->capture_default_str();
+  command
+      ->add_option("--motor", drive.motors,
+                   "The motor, or one a channel (A,B,C): see 'virtdrive list motors'")
+      ->delimiter(',');
+  command->add_option("--load", drive.load, kLoadHelp)->check(not_empty())->capture_default_str();
   command
       ->add_option("--rate", words->rate, "Simulated seconds per second (0.001 ... 1000), or max")
       ->capture_default_str();
@@ -84,21 +89,21 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->check(not_negative())
       ->capture_default_str();
   command
-      ->add_option("--set", bench.set,
+      ->add_option("--set", drive.set,
                    "[CHANNEL.]PARAMETER=VALUE[UNIT], as the host would write it; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--start", options->start, "Start a motor at once: [CHANNEL:]RPM")
       ->check(not_empty());
-  command->add_option("--baud", bench.baud, "The drive's baud rate")
+  command->add_option("--baud", line.baud, "The drive's baud rate")
       ->check(CLI::Range(50, 12'000'000));
   command->add_option("--integrator", words->integrator, "default: SUNDIALS ERKStep; fast: RK4")
       ->check(CLI::IsMember({"default", "fast"}))
       ->capture_default_str();
   command
-      ->add_option("--nvm", bench.nvm,
+      ->add_option("--nvm", drive.nvm,
                    "Keep what the drive stores in this file; without it nothing outlives the run")
       ->check(not_empty());
-  command->add_flag("--lenient", bench.lenient,
+  command->add_flag("--lenient", drive.lenient,
                     "Forgive what the drive does not: bytes sent while it is busy, cut telegrams");
   command->add_flag("--trace", options->trace, "Show each frame, decoded, on standard error");
   command
@@ -116,7 +121,8 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command->add_flag("--json", options->json, "Ready line and report as JSON, a line each");
   command->callback([options, words, &action] {
     options->rate = parse_rate(words->rate);
-    options->bench.line = words->line == "ideal" ? LineTiming::kIdeal : LineTiming::kReal;
+    options->bench.lines.front().timing =
+        words->line == "ideal" ? LineTiming::kIdeal : LineTiming::kReal;
     options->bench.integrator =
         words->integrator == "fast" ? Integrator::kFast : Integrator::kDefault;
     action = [options] { return run(*options); };

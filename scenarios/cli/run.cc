@@ -13,7 +13,6 @@
 #include "pty/serial_device_endpoint.h"
 #include "pty/tcp_endpoint.h"
 #include "scenarios/cli/commands.h"
-#include "scenarios/line_transport.h"
 #include "scenarios/recording/recorder.h"
 
 namespace virtdrive {
@@ -64,14 +63,15 @@ struct Start {
 };
 
 // [CHANNEL:]RPM
-Start parse_start(const std::string& text, const Bench& bench, std::size_t channels) {
-  Start start{bench.kind().default_channel, 0};
+Start parse_start(const std::string& text, const DriveKind& kind) {
+  Start start{kind.default_channel, 0};
   std::string_view rpm = text;
   const char* const last = text.data() + text.size();
   if (const std::size_t colon = text.find(':'); colon != std::string::npos) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + colon, start.channel);
-    if (error != std::errc{} || end != text.data() + colon || start.channel >= channels) {
-      throw SetupError(fmt::format("--start {}: the channel must be 0 ... {}", text, channels - 1));
+    if (error != std::errc{} || end != text.data() + colon || start.channel >= kind.channels) {
+      throw SetupError(
+          fmt::format("--start {}: the channel must be 0 ... {}", text, kind.channels - 1));
     }
     rpm.remove_prefix(colon + 1);
   }
@@ -80,6 +80,14 @@ Start parse_start(const std::string& text, const Bench& bench, std::size_t chann
     throw SetupError(fmt::format("--start {}: expected [CHANNEL:]RPM", text));
   }
   return start;
+}
+
+void start_motor(Bench& bench, const Start& start) {
+  try {
+    bench.host()->start_motor(start.channel, start.rpm);
+  } catch (const ClientError& error) {
+    throw SetupError(fmt::format("--start: {}", error.what()));
+  }
 }
 
 // Where the host is: a pseudo-terminal unless the options say otherwise.
@@ -116,24 +124,37 @@ Port open_port(const RunOptions& options, SerialLine& line) {
   return make_port(std::move(pty), path, terminal);
 }
 
-void announce(const RunOptions& options, const Bench& bench, const Port& port, int baud) {
+// "db42s03", or one name a channel.
+std::string motors_of(const BenchDrive& drive) {
+  std::string names(drive.motor(0).name);
+  bool same = true;
+  for (std::size_t i = 1; i < drive.channels(); ++i) {
+    names += fmt::format(",{}", drive.motor(i).name);
+    same = same && drive.motor(i).name == drive.motor(0).name;
+  }
+  return same ? std::string(drive.motor(0).name) : names;
+}
+
+void announce(const RunOptions& options, Bench& bench, const Port& port) {
+  const BenchDrive& drive = bench.drive();
+  const int baud = bench.line().settings().baud;
   if (options.json) {
-    const nlohmann::ordered_json ready = {{"event", "ready"},     {"drive", bench.kind().name},
+    const nlohmann::ordered_json ready = {{"event", "ready"},     {"drive", drive.kind().name},
                                           {"port", port.address}, {"terminal", port.terminal},
-                                          {"baud", baud},         {"motor", bench.motor().name},
+                                          {"baud", baud},         {"motor", motors_of(drive)},
                                           {"seed", bench.seed()}, {"pid", getpid()}};
     fmt::print("{}\n", ready.dump());
   } else {
-    fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", bench.kind().name, port.address,
-               baud, bench.motor().name, bench.seed());
+    fmt::print("ready: {} on {} at {} baud, motor {}, seed {}\n", drive.kind().name, port.address,
+               baud, motors_of(drive), bench.seed());
   }
   if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
 }
 
 std::string status_line(Bench& bench, const Port& port, const PacingReport& pacing) {
-  const WireCounters& wire = bench.drive().wire_counters();
+  const WireCounters wire = bench.drive().controller().wire_counters();
   std::string text = fmt::format("{:.1f} s | {} | {} requests", seconds(bench.loop().now()),
-                                 bench.drive().status(), wire.requests);
+                                 bench.drive().controller().status(), wire.requests);
   const auto count = [&](std::uint64_t n, std::string_view what) {
     if (n > 0) text += fmt::format(" | {} {}", n, what);
   };
@@ -147,7 +168,7 @@ std::string status_line(Bench& bench, const Port& port, const PacingReport& paci
 
 void report(const RunOptions& options, Bench& bench, const Port& port, const PacingReport& pacing,
             Console& console) {
-  const WireCounters& wire = bench.drive().wire_counters();
+  const WireCounters wire = bench.drive().controller().wire_counters();
   const double simulated = seconds(bench.loop().now());
   const double elapsed = seconds(SimDuration(pacing.elapsed));
   if (options.json) {
@@ -186,31 +207,28 @@ int run(const RunOptions& options) {
     console.print_line(fmt::format("note: {}", text));
   };
   if (options.trace) {
-    bench_options.listener = [&console](const WireEvent& event) { trace(console, event); };
+    bench_options.listener = [&console](auto, const WireEvent& event) { trace(console, event); };
   }
   if (options.signals.empty() != options.record.empty()) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
   Bench bench(bench_options);
   std::optional<Start> start;
-  if (!options.start.empty()) start = parse_start(options.start, bench, bench.drive().channels());
+  if (!options.start.empty()) start = parse_start(options.start, bench.drive().kind());
   const Port port = open_port(options, bench.line());
   std::optional<Recorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
                      from_seconds(options.interval_s));
   }
-  if (start) {
-    LineTransport host(bench.loop(), bench.line());
-    bench.drive().start_motor(host, start->channel, start->rpm);
-  }
+  if (start) start_motor(bench, *start);
   const SimTime until = options.duration_s ? kSimStart + from_seconds(*options.duration_s) : kNever;
   Runner runner(bench.loop(),
                 {.rate = options.rate, .until = until, .status = [&](const auto& now) {
                    console.show_status(status_line(bench, port, now));
                  }});
   runner.add(*port.endpoint);
-  announce(options, bench, port, bench.line().settings().baud);
+  announce(options, bench, port);
   if (!options.rate && !options.duration_s) {
     console.print_line("free run: simulated time passes much faster than a host program expects");
   }

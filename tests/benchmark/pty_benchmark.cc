@@ -23,7 +23,6 @@
 #include "pty/runner.h"
 #include "pty/tty_settings.h"
 #include "scenarios/bench.h"
-#include "scenarios/line_transport.h"
 
 namespace virtdrive {
 namespace {
@@ -96,11 +95,10 @@ Result bare_echo(int exchanges) {
 }
 
 Result drive(LineTiming timing, bool turning, int exchanges) {
-  Bench bench({.drive = "toshiba-mcu", .line = timing});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .lines = {{.timing = timing}}});
   if (turning) {
-    LineTransport transport(bench.loop(), bench.line());
-    bench.drive().start_motor(transport, 1, 2000);
-    bench.loop().run_until(kSimStart + std::chrono::seconds(4));
+    bench.host()->start_motor(1, 2000);
+    bench.run_for(std::chrono::seconds(4));
   }
   PtyEndpoint endpoint{bench.line()};
   Runner runner{bench.loop(), {}};

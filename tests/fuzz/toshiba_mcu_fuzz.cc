@@ -26,8 +26,9 @@ void end_any_telegram(Bench& bench) {
 }
 
 void hear(std::span<const std::uint8_t> bytes) {
-  Bench bench(
-      {.drive = "toshiba-mcu", .line = LineTiming::kIdeal, .integrator = Integrator::kFast});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}},
+               .lines = {{.timing = LineTiming::kIdeal}},
+               .integrator = Integrator::kFast});
   std::vector<std::uint8_t> heard;
   bench.line().on_host_byte([&](std::uint8_t byte, SimTime) { heard.push_back(byte); });
   // A first byte tells how the burst is cut into pieces, a millisecond apart.

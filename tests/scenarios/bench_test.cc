@@ -11,73 +11,69 @@ namespace {
 
 using namespace std::chrono_literals;
 
-double read(Bench& bench, std::string_view signal) {
-  return bench.registry().signal(signal).read();
-}
-
 void start(Bench& bench, double rpm) {
-  LineTransport host(bench.loop(), bench.line());
-  bench.drive().start_motor(host, 1, rpm);
+  bench.host()->start_motor(1, rpm);
 }
 
 TEST(Bench, AHostOnTheLineRunsTheMotorAndSignalsTellOfIt) {
-  Bench bench({.drive = "toshiba-mcu", .integrator = Integrator::kFast});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .integrator = Integrator::kFast});
   start(bench, 2000);
-  bench.loop().run_until(kSimStart + 4s);
-  EXPECT_NEAR(read(bench, "motor1.speed"), 2000, 10);
-  EXPECT_NEAR(read(bench, "drive1.speed"), 2000, 10);
-  EXPECT_EQ(read(bench, "drive1.stage"), 6);
-  EXPECT_NEAR(read(bench, "motor1.torque"), 0.004, 0.001);
-  EXPECT_NEAR(read(bench, "bus1.voltage"), 24, 0.1);
-  EXPECT_EQ(read(bench, "motor0.speed"), 0);
+  bench.run_until(kSimStart + 4s);
+  EXPECT_NEAR(bench.read("motor1.speed"), 2000, 10);
+  EXPECT_NEAR(bench.read("drive1.speed"), 2000, 10);
+  EXPECT_EQ(bench.read("drive1.stage"), 6);
+  EXPECT_NEAR(bench.read("motor1.torque"), 0.004, 0.001);
+  EXPECT_NEAR(bench.read("bus1.voltage"), 24, 0.1);
+  EXPECT_EQ(bench.read("motor0.speed"), 0);
 }
 
 TEST(Bench, ALoadStepsAtItsTime) {
-  Bench bench({.drive = "toshiba-mcu", .load = "brake:20mNm@4s", .integrator = Integrator::kFast});
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .load = "brake:20mNm@4s"}},
+               .integrator = Integrator::kFast});
   start(bench, 2000);
-  bench.loop().run_until(kSimStart + 3999ms);
-  EXPECT_NEAR(read(bench, "load1.torque"), 0, 1e-9);
-  const double before = read(bench, "motor1.current_q");
-  bench.loop().run_until(kSimStart + 5s);
-  EXPECT_NEAR(read(bench, "load1.torque"), 0.02, 1e-9);
-  EXPECT_NEAR(read(bench, "motor1.current_q") - before, 0.02 / 0.034, 0.03);
+  bench.run_until(kSimStart + 3999ms);
+  EXPECT_NEAR(bench.read("load1.torque"), 0, 1e-9);
+  const double before = bench.read("motor1.current_q");
+  bench.run_until(kSimStart + 5s);
+  EXPECT_NEAR(bench.read("load1.torque"), 0.02, 1e-9);
+  EXPECT_NEAR(bench.read("motor1.current_q") - before, 0.02 / 0.034, 0.03);
 }
 
 TEST(Bench, InputsMoveWhatTheyName) {
-  Bench bench({.drive = "toshiba-mcu"});
-  bench.loop().run_until(kSimStart + 1ms);
-  bench.registry().set("supply1.voltage", 26);
-  bench.registry().set("load1.brake_torque", 0.1);
-  bench.registry().set("board1.temperature", 60);
-  bench.loop().run_until(kSimStart + 100ms);
-  EXPECT_NEAR(read(bench, "bus1.voltage"), 26, 1e-3);
-  EXPECT_EQ(read(bench, "supply1.voltage"), 26);
-  EXPECT_EQ(read(bench, "load1.brake_torque"), 0.1);
-  EXPECT_EQ(read(bench, "board1.temperature"), 60);
-  EXPECT_THROW(bench.registry().set("load1.brake_torque", -1), SetupError);
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  bench.run_until(kSimStart + 1ms);
+  bench.set("supply1.voltage", 26);
+  bench.set("load1.brake_torque", 0.1);
+  bench.set("board1.temperature", 60);
+  bench.run_until(kSimStart + 100ms);
+  EXPECT_NEAR(bench.read("bus1.voltage"), 26, 1e-3);
+  EXPECT_EQ(bench.read("supply1.voltage"), 26);
+  EXPECT_EQ(bench.read("load1.brake_torque"), 0.1);
+  EXPECT_EQ(bench.read("board1.temperature"), 60);
+  EXPECT_THROW(bench.set("load1.brake_torque", -1), SetupError);
 }
 
 TEST(Bench, EqualSeedsGiveEqualRunsAndTwoBenchesLiveSideBySide) {
-  Bench a({.drive = "toshiba-mcu", .seed = 7});
-  Bench b({.drive = "toshiba-mcu", .seed = 7});
-  Bench other({.drive = "toshiba-mcu", .seed = 8});
+  Bench a({.drives = {{.kind = "toshiba-mcu"}}, .seed = 7});
+  Bench b({.drives = {{.kind = "toshiba-mcu"}}, .seed = 7});
+  Bench other({.drives = {{.kind = "toshiba-mcu"}}, .seed = 8});
   for (Bench* bench : {&a, &b, &other}) start(*bench, 1000);
   for (int i = 1; i <= 100; ++i) {  // in turns, so that anything shared would show
-    for (Bench* bench : {&a, &b, &other}) bench->loop().run_until(kSimStart + i * 20ms);
+    for (Bench* bench : {&a, &b, &other}) bench->run_until(kSimStart + i * 20ms);
   }
   for (const Signal& signal : a.registry().signals()) {
-    EXPECT_EQ(signal.read(), read(b, signal.name)) << signal.name;
+    EXPECT_EQ(signal.read(), b.read(signal.name)) << signal.name;
   }
-  EXPECT_NE(read(a, "motor1.angle"), read(other, "motor1.angle"));
+  EXPECT_NE(a.read("motor1.angle"), other.read("motor1.angle"));
 }
 
 TEST(Bench, TheReplysLastByteIsExactAt115200Baud) {
-  Bench bench({.drive = "toshiba-mcu"});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
   std::vector<SimTime> heard;
   bench.line().on_host_byte([&](std::uint8_t, SimTime t) { heard.push_back(t); });
   const std::uint8_t version[] = {0x11, 0x14, 0x00, 0x6c, 0x13};
   bench.line().host_send(version);
-  bench.loop().run_until(kSimStart + 10ms);
+  bench.run_until(kSimStart + 10ms);
   ASSERT_EQ(heard.size(), 6U);
   // Five characters in, 1 ms, six characters out; ten bits a character.
   const SimDuration request{5 * 10 * 1'000'000'000LL / 115200};
@@ -86,8 +82,8 @@ TEST(Bench, TheReplysLastByteIsExactAt115200Baud) {
 }
 
 TEST(Bench, OnAnIdealLineTheAnswerComesAtTheSameInstant) {
-  Bench bench({.drive = "toshiba-mcu", .line = LineTiming::kIdeal});
-  bench.loop().run_until(kSimStart + 5ms);
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .lines = {{.timing = LineTiming::kIdeal}}});
+  bench.run_until(kSimStart + 5ms);
   LineTransport transport(bench.loop(), bench.line());
   toshiba_mcu::Client client(transport);
   EXPECT_EQ(client.version(), "3.10");
@@ -96,22 +92,133 @@ TEST(Bench, OnAnIdealLineTheAnswerComesAtTheSameInstant) {
 
 TEST(Bench, BothIntegratorsAgreeOnARun) {
   const auto speed = [](Integrator integrator) {
-    Bench bench({.drive = "toshiba-mcu", .integrator = integrator});
+    Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .integrator = integrator});
     start(bench, 1500);
-    bench.loop().run_until(kSimStart + 3s);
-    return read(bench, "motor1.speed");
+    bench.run_until(kSimStart + 3s);
+    return bench.read("motor1.speed");
   };
   EXPECT_NEAR(speed(Integrator::kDefault), speed(Integrator::kFast), 3);
 }
 
+BenchOptions two_drives() {
+  return {.drives = {{.kind = "toshiba-mcu", .name = "left", .line = "a"},
+                     {.kind = "toshiba-mcu", .name = "right", .line = "b", .motors = {"dr38312"}}},
+          .lines = {{.name = "a"}, {.name = "b", .baud = 9600}},
+          .integrator = Integrator::kFast};
+}
+
+TEST(Bench, SeveralDrivesHaveTheirNamesLinesMotorsAndNoise) {
+  Bench bench(two_drives());
+  bench.host(bench.drive("left"))->start_motor(1, 1000);
+  bench.run_for(3s);
+  EXPECT_NEAR(bench.read("left.motor1.speed"), 1000, 10);
+  EXPECT_EQ(bench.read("right.motor1.speed"), 0);
+  EXPECT_EQ(bench.drive("right").motor(0).name, "dr38312");
+  EXPECT_EQ(bench.line("b").settings().baud, 9600);
+  EXPECT_EQ(&bench.drive("left").line(), &bench.line("a"));
+  EXPECT_GT(bench.line("a").counters().to_device, 0U);
+  EXPECT_EQ(bench.line("b").counters().to_device, 0U);
+}
+
+TEST(Bench, RefusesWhatDoesNotFitTogether) {
+  const auto error_of = [](const BenchOptions& options) -> std::string {
+    try {
+      const Bench bench(options);
+    } catch (const SetupError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const DriveSpec drive{.kind = "toshiba-mcu"};
+  DriveSpec lost = drive, two_motors = drive;
+  lost.line = "lime";
+  lost.name = "second";
+  two_motors.motors = {"db42s03", "db42s03"};
+  EXPECT_EQ(error_of({}), "a bench needs a drive");
+  EXPECT_EQ(error_of({.drives = {drive, drive}}), "two drives named ''");
+  EXPECT_EQ(error_of({.drives = {drive}, .lines = {{}, {}}}), "two lines named 'line'");
+  EXPECT_EQ(error_of({.drives = {drive}, .lines = {{}, {.name = "b"}}}), "no drive is on line 'b'");
+  EXPECT_EQ(error_of({.drives = {drive, lost}}),
+            "drive 'second': unknown line 'lime'; did you mean line? (known: line)");
+  EXPECT_EQ(error_of({.drives = {two_motors}}),
+            "2 motors for toshiba-mcu: it has 3 channels; name one, or one each");
+}
+
+TEST(Bench, RunsUntilAConditionHoldsOrTheTimeIsOver) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .integrator = Integrator::kFast});
+  start(bench, 2000);
+  EXPECT_TRUE(bench.run_until(kSimStart + 5s, [&] { return bench.read("motor1.speed") >= 1500; }));
+  EXPECT_NEAR(bench.read("motor1.speed"), 1500, 2);
+  EXPECT_LT(bench.loop().now(), kSimStart + 4s);
+  const SimTime limit = bench.loop().now() + 1s;
+  EXPECT_FALSE(bench.run_until(limit, [&] { return bench.read("motor1.speed") > 9000; }));
+  EXPECT_EQ(bench.loop().now(), limit);
+}
+
+TEST(BenchDrive, WithoutPowerItIsSilentAndItsRotorTurnsOn) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .load = "inertia:2000gcm2"}},
+               .integrator = Integrator::kFast});
+  start(bench, 1500);
+  bench.run_until(kSimStart + 4s);
+  const auto host = bench.host();
+  host->set("1.MaxAngAcc=800");
+  bench.drive().power_off();
+  EXPECT_FALSE(bench.drive().powered());
+  EXPECT_THROW(host->get("1.MaxAngAcc"), ClientError);
+  bench.run_for(100ms);
+  EXPECT_EQ(bench.read("drive1.stage"), 0);
+  EXPECT_NEAR(bench.read("motor1.current_q"), 0, 1e-6);
+  EXPECT_GT(bench.read("motor1.speed"), 1000);
+
+  bench.drive().power_on();
+  EXPECT_EQ(host->get("1.MaxAngAcc").value, 300);  // what was in RAM only is gone
+  EXPECT_EQ(bench.read("drive1.speed_target"), 0);
+  EXPECT_GT(bench.read("motor1.speed"), 500);
+}
+
+TEST(BenchDrive, WhatItStoredOutlivesAPowerCycle) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  const auto host = bench.host();
+  host->set("1.MaxAngAcc=800");
+  host->call("StoreParameters", {1});
+  host->set("1.MaxAngAcc=900");
+  bench.drive().power_off();
+  bench.run_for(1s);
+  bench.drive().power_on();
+  EXPECT_EQ(host->get("1.MaxAngAcc").value, 800);
+}
+
+TEST(BenchDrive, AResetLosesWhatWasNotStoredAndIsTold) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  const auto host = bench.host();
+  EXPECT_EQ(host->get("ResetStatus").value, 1);
+  EXPECT_EQ(host->get("ResetStatus").value, 0);
+  bench.set("board1.temperature", 60);
+  bench.drive().reset();
+  EXPECT_EQ(host->get("ResetStatus").value, 1);
+  EXPECT_EQ(bench.read("board1.temperature"), 60);  // the world around it does not start anew
+}
+
+TEST(HostClient, SpeaksTheWordsOfTheProtocol) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  const auto host = bench.host();
+  host->set("2.IqStart=1200mA");
+  EXPECT_EQ(host->get("2.IqStart").value, 1200);
+  EXPECT_EQ(host->get("2.IqStart").unit, "mA");
+  EXPECT_EQ(host->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
+  EXPECT_THROW(host->call("GetFWVersions", {0}), SetupError);
+  EXPECT_THROW(host->get("3.IqStart"), SetupError);
+  EXPECT_THROW(host->set("IqStart=-1mA"), ClientError);
+}
+
 TEST(Client, TellsARefusalASilenceAndADamagedAnswerApart) {
-  Bench bench({.drive = "toshiba-mcu"});
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
   LineTransport transport(bench.loop(), bench.line());
   toshiba_mcu::Client client(transport);
   const auto error_of = [&](auto&& act) -> std::string {
     try {
       act();
-    } catch (const toshiba_mcu::ClientError& error) {
+    } catch (const ClientError& error) {
       return error.what();
     }
     return "none";

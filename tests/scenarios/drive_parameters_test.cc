@@ -12,7 +12,7 @@ using toshiba_mcu::UnitValue;
 
 UnitValue after_setting(const std::string& assignment, std::uint8_t channel,
                         std::string_view parameter) {
-  Bench bench({.drive = "toshiba-mcu", .set = {assignment}});
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .set = {assignment}}}});
   LineTransport transport(bench.loop(), bench.line());
   return toshiba_mcu::Client(transport).get(channel, parameter);
 }
@@ -41,7 +41,7 @@ TEST(SetParameter, TakesTheUnitThatIsWrittenOrTheFactoryOne) {
 
 TEST(SetParameter, SaysWhatIsWrong) {
   const auto set = [](const std::string& text) {
-    return error_of({.drive = "toshiba-mcu", .set = {text}});
+    return error_of({.drives = {{.kind = "toshiba-mcu", .set = {text}}}});
   };
   EXPECT_EQ(set("MaxAngAcc"), "--set MaxAngAcc: expected [CHANNEL.]NAME=VALUE[UNIT]");
   EXPECT_NE(set("MaxAngAc=1").find("did you mean MaxAngAcc?"), std::string::npos);
@@ -58,11 +58,14 @@ TEST(SetParameter, SaysWhatIsWrong) {
 }
 
 TEST(BenchOptions, UnknownNamesAreErrorsThatOfferTheNearest) {
-  EXPECT_EQ(error_of({.drive = "toshiba"}), "unknown drive 'toshiba' (known: toshiba-mcu)");
-  EXPECT_NE(error_of({.drive = "toshiba-mcu", .motor = "db42s30"}).find("did you mean db42s03"),
+  EXPECT_EQ(error_of({.drives = {{.kind = "toshiba"}}}),
+            "unknown drive 'toshiba' (known: toshiba-mcu)");
+  EXPECT_NE(error_of({.drives = {{.kind = "toshiba-mcu", .motors = {"db42s30"}}}})
+                .find("did you mean db42s03"),
             std::string::npos);
-  EXPECT_NE(error_of({.drive = "toshiba-mcu", .load = "brick:1"}).find("--load brick:1"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of({.drives = {{.kind = "toshiba-mcu", .load = "brick:1"}}}).find("--load brick:1"),
+      std::string::npos);
 }
 
 }  // namespace

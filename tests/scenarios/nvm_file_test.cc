@@ -116,14 +116,14 @@ TEST_F(NvmFileTest, AFailedWriteIsToldAndTheOldSetStays) {
 TEST_F(NvmFileTest, ADriveFindsWhatItStoredAfterARestart) {
   using toshiba_mcu::UnitValue;
   {
-    Bench bench({.drive = "toshiba-mcu", .nvm = path_});
+    Bench bench({.drives = {{.kind = "toshiba-mcu", .nvm = path_}}});
     LineTransport transport(bench.loop(), bench.line());
     toshiba_mcu::Client client(transport);
     client.set(1, "MaxAngAcc", {800, 0});
     client.call(0x03, {1});
     client.set(1, "MaxAngAcc", {900, 0});
   }
-  Bench bench({.drive = "toshiba-mcu", .nvm = path_});
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .nvm = path_}}});
   LineTransport transport(bench.loop(), bench.line());
   EXPECT_EQ(toshiba_mcu::Client(transport).get(1, "MaxAngAcc"), (UnitValue{800, 0}));
 }
