@@ -144,7 +144,7 @@ void SerialDeviceEndpoint::apply_settings() {
   }
   // A driver takes what its hardware has, without an error.
   const TtySettings got = inspect_own(port_.get());
-  const bool close = std::abs(got.baud - wanted.baud) <= SerialLine::kBaudTolerance * wanted.baud;
+  const bool close = std::abs(got.baud - wanted.baud) <= kBaudTolerance * wanted.baud;
   if (!close || got.stop_bits != wanted.stop_bits || got.data_bits != wanted.data_bits ||
       got.parity != wanted.parity) {
     throw unusable(path_, fmt::format("the drive needs {}, and the port offers {}; take another "

@@ -1,16 +1,11 @@
 #include "pty/serial_line.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstdlib>
-#include <utility>
 
 #include "core/check.h"
 
 namespace virtdrive {
 namespace {
-
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 void check_settings(const LineSettings& s) {
   VIRTDRIVE_CHECK(
@@ -18,190 +13,193 @@ void check_settings(const LineSettings& s) {
       "a line of {} baud, {} data bits, {} stop bits", s.baud, s.data_bits, s.stop_bits);
 }
 
-bool parity_bit(std::uint8_t byte, const LineSettings& settings) {
-  const auto data = static_cast<std::uint8_t>(byte & ((1U << settings.data_bits) - 1));
-  return (std::popcount(data) % 2 != 0) != (settings.parity == Parity::kOdd);
-}
-
-/// The line's level, bit time by bit time of the sender.
-std::vector<bool> levels(std::span<const std::uint8_t> bytes, const LineSettings& settings) {
-  std::vector<bool> bits;
-  bits.reserve(bytes.size() * static_cast<std::size_t>(settings.character_bits()));
-  for (const std::uint8_t byte : bytes) {
-    bits.push_back(false);
-    for (int i = 0; i < settings.data_bits; ++i) bits.push_back((byte >> i & 1) != 0);
-    if (settings.parity != Parity::kNone) bits.push_back(parity_bit(byte, settings));
-    bits.insert(bits.end(), static_cast<std::size_t>(settings.stop_bits), true);
+void check_faults(const LineFaults& f) {
+  for (const double probability : {f.lost, f.flipped, f.duplicated, f.delayed}) {
+    VIRTDRIVE_CHECK(probability >= 0 && probability <= 1, "a fault with probability {}",
+                    probability);
   }
-  return bits;
+  VIRTDRIVE_CHECK(f.delay >= SimDuration{0}, "a delay of {} ns", f.delay.count());
+  VIRTDRIVE_CHECK(f.noise_per_s >= 0 && f.noise_per_s <= 1e6, "{} noise bytes per second",
+                  f.noise_per_s);
 }
 
-/// Stop bits do not matter: a receiver looks at the first one only.
-bool understand_each_other(const LineSettings& a, const LineSettings& b) {
-  return a.baud == b.baud && a.data_bits == b.data_bits && a.parity == b.parity;
-}
-
-bool close_enough(int a, int b) {
-  return std::abs(a - b) <= SerialLine::kBaudTolerance * std::min(a, b);
+// Who checks parity throws away what fails it; without, a bad stop bit is left to the program.
+bool throws_away_errors(const LineSettings& settings) {
+  return settings.parity != Parity::kNone;
 }
 
 }  // namespace
 
-SimDuration LineSettings::time_of(std::int64_t count) const {
-  if (timing == LineTiming::kIdeal) return SimDuration{0};
-  return SimDuration{count * character_bits() * kNsPerSecond / baud};
+// --- LineEnd -------------------------------------------------------------------------------------
+
+LineEnd::LineEnd(SerialLine& line, int number, const LineSettings& settings)
+    : line_(line),
+      settings_(settings),
+      talker_(number, line.counters_.to_host_lost),
+      listener_([this](const WireByte& byte) { hear(byte); }, &talker_) {}
+
+void LineEnd::attach(SerialReceiver& device) {
+  const bool on = attached();
+  device_ = &device;
+  if (!on) line_.wires(LineDirection::kToDevices).switch_on(listener_, settings_);
 }
 
-std::vector<ResampledByte> resample(std::span<const std::uint8_t> bytes, const LineSettings& sender,
-                                    const LineSettings& listener) {
-  // In units of 1 / (2 from to) s a sender's bit, a receiver's bit and half of it are integers.
-  const std::int64_t sender_bit = 2 * std::int64_t{listener.baud};
-  const std::int64_t half = sender.baud;
-  const std::vector<bool> bits = levels(bytes, sender);
-  const auto index = [&](std::int64_t t) { return static_cast<std::size_t>(t / sender_bit); };
-  const auto level = [&](std::int64_t t) { return index(t) >= bits.size() || bits[index(t)]; };
-
-  std::vector<ResampledByte> heard;
-  std::size_t edge = 0;  // the sender's bit at whose start the line falls
-  while (edge < bits.size()) {
-    std::int64_t t = static_cast<std::int64_t>(edge) * sender_bit + half;
-    if (!level(t)) {
-      ResampledByte character;
-      for (int i = 0; i < listener.data_bits; ++i) {
-        t += 2 * half;
-        if (level(t)) character.byte |= static_cast<std::uint8_t>(1U << i);
-      }
-      if (listener.parity != Parity::kNone) {
-        t += 2 * half;
-        character.error = level(t) != parity_bit(character.byte, listener);
-      }
-      t += 2 * half;
-      character.error |= !level(t);
-      character.arrival = SimDuration{static_cast<std::int64_t>(edge) * kNsPerSecond / sender.baud +
-                                      listener.character_bits() * kNsPerSecond / listener.baud};
-      heard.push_back(character);
-    }
-    edge = index(t);
-    while (edge < bits.size() && !bits[edge]) ++edge;
-    while (edge < bits.size() && bits[edge]) ++edge;
-  }
-  return heard;
+void LineEnd::detach() {
+  if (!attached()) return;
+  device_ = nullptr;
+  line_.wires(LineDirection::kToDevices).switch_off(listener_);
+  line_.wires(LineDirection::kToHost).cut_off(talker_);
 }
 
-SerialLine::Lane::Lane(EventLoop& loop, std::uint64_t* lost,
-                       std::function<void(std::uint8_t)> deliver)
-    : loop_(loop),
-      lost_(lost),
-      deliver_(std::move(deliver)),
-      wakeup_(loop.add(Phase::kBytes, [this] { deliver_due(); })) {}
-
-SimTime SerialLine::Lane::send(std::span<const std::uint8_t> bytes, const LineSettings& sender) {
-  for (const std::uint8_t byte : bytes) {
-    start(sender);
-    if (characters_.size() == kMaxQueued) {
-      ++*lost_;
-      continue;
-    }
-    leave(1);
-    push(byte, idle_);
-  }
-  return std::max(idle_, loop_.now());
+SimTime LineEnd::send(std::span<const std::uint8_t> bytes) {
+  if (!attached()) return line_.loop_.now();
+  return line_.wires(LineDirection::kToHost)
+      .send(talker_, bytes, settings_, line_.active_faults(LineDirection::kToHost));
 }
 
-SimTime SerialLine::Lane::send(std::span<const ResampledByte> heard, std::size_t sent,
-                               const LineSettings& sender) {
-  start(sender);
-  const SimTime from = std::max(idle_, loop_.now());
-  const bool ideal = sender.timing == LineTiming::kIdeal;
-  for (const ResampledByte& character : heard) {
-    if (characters_.size() == kMaxQueued) {
-      ++*lost_;
-      continue;
-    }
-    push(character.byte, from + (ideal ? SimDuration{0} : character.arrival));
-  }
-  leave(sent);
-  return std::max(idle_, loop_.now());
+void LineEnd::set_baud(int baud) {
+  LineSettings settings = settings_;
+  settings.baud = baud;
+  set_settings(settings);
 }
 
-// A burst goes on while its characters follow each other without a gap at one baud rate.
-void SerialLine::Lane::start(const LineSettings& sender) {
-  if (idle_ >= loop_.now() && sender == sender_ && burst_count_ < sender.baud) return;
-  // After `baud` characters a burst has lasted a whole number of seconds: starting anew is exact.
-  burst_start_ = std::max(idle_, loop_.now());
-  burst_count_ = 0;
-  sender_ = sender;
+void LineEnd::set_settings(const LineSettings& settings) {
+  check_settings(settings);
+  settings_ = settings;
+  settings_.timing = line_.settings_.timing;
+  line_.wires(LineDirection::kToDevices).tune(listener_, settings_);
+  if (number() == 0) line_.set_line(settings_);
 }
 
-void SerialLine::Lane::leave(std::size_t count) {
-  burst_count_ += static_cast<std::int64_t>(count);
-  idle_ = burst_start_ + sender_.time_of(burst_count_);
+void LineEnd::hear(const WireByte& byte) {
+  if (byte.error && throws_away_errors(settings_)) return;
+  ++line_.counters_.to_device;
+  device_->receive(byte.byte);
 }
 
-void SerialLine::Lane::push(std::uint8_t byte, SimTime arrival) {
-  if (!characters_.empty()) arrival = std::max(arrival, characters_.back().arrival);
-  characters_.push_back({arrival, byte});
-  if (characters_.size() == 1) wakeup_.at(arrival);
-}
+// --- SerialLine ----------------------------------------------------------------------------------
 
-void SerialLine::Lane::deliver_due() {
-  while (!characters_.empty() && characters_.front().arrival <= loop_.now()) {
-    const std::uint8_t byte = characters_.front().byte;
-    characters_.pop_front();
-    deliver_(byte);
-  }
-  if (!characters_.empty()) wakeup_.at(characters_.front().arrival);
-}
-
-SerialLine::SerialLine(EventLoop& loop, const LineSettings& settings)
+SerialLine::SerialLine(EventLoop& loop, const LineSettings& settings, LineOptions options)
     : loop_(loop),
       settings_(settings),
-      to_device_(loop, &counters_.to_device_lost,
-                 [this](std::uint8_t byte) {
-                   if (device_ == nullptr) return;
-                   ++counters_.to_device;
-                   device_->receive(byte);
-                 }),
-      to_host_(loop, &counters_.to_host_lost, [this](std::uint8_t byte) {
-        if (!host_listener_) return;
-        ++counters_.to_host;
-        host_listener_(byte, loop_.now());
-      }) {
+      options_(std::move(options)),
+      host_talker_(kHostTalker, counters_.to_device_lost),
+      host_ear_([this](const WireByte& byte) { hear_at_host(byte); },
+                options_.echo ? nullptr : &host_talker_) {
   check_settings(settings_);
+  VIRTDRIVE_CHECK(!options_.echo || options_.duplex == Duplex::kHalf,
+                  "an echo on a line of which the host has a pair of its own");
+  const std::size_t pairs = options_.duplex == Duplex::kHalf ? 1 : 2;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    pairs_.push_back(std::make_unique<WirePair>(loop_, options_.chance, counters_));
+  }
+  wires(LineDirection::kToDevices).add(host_talker_);
+  wires(LineDirection::kToHost).add(host_ear_);
+  wires(LineDirection::kToHost).switch_on(host_ear_, host_line());
+}
+
+SerialLine::~SerialLine() = default;
+
+LineEnd& SerialLine::add_device() {
+  return add_device(settings_);
+}
+
+LineEnd& SerialLine::add_device(const LineSettings& settings) {
+  const int number = static_cast<int>(devices_.size());
+  devices_.push_back(std::make_unique<LineEnd>(*this, number, settings_));
+  LineEnd& end = *devices_.back();
+  wires(LineDirection::kToDevices).add(end.listener_);
+  wires(LineDirection::kToHost).add(end.talker_);
+  end.set_settings(settings);
+  apply_wire_faults();
+  return end;
 }
 
 void SerialLine::host_send(std::span<const std::uint8_t> bytes) {
   if (host_tap_) host_tap_(bytes, host_, loop_.now());
-  carry(to_device_, bytes, host_line(), settings_);
+  wires(LineDirection::kToDevices)
+      .send(host_talker_, bytes, host_line(), active_faults(LineDirection::kToDevices));
 }
 
-SimTime SerialLine::device_send(std::span<const std::uint8_t> bytes) {
-  return carry(to_host_, bytes, settings_, host_line());
+void SerialLine::host_break(SimDuration duration) {
+  wires(LineDirection::kToDevices).send_break(host_talker_, duration, host_line());
 }
 
-SimTime SerialLine::carry(Lane& lane, std::span<const std::uint8_t> bytes,
-                          const LineSettings& sender, const LineSettings& listener) {
-  if (understand_each_other(sender, listener)) return lane.send(bytes, sender);
-  counters_.garbled += bytes.size();
-  std::vector<ResampledByte> heard = resample(bytes, sender, listener);
-  // Who checks parity throws away what fails it.
-  if (listener.parity != Parity::kNone) std::erase_if(heard, std::mem_fn(&ResampledByte::error));
-  return lane.send(heard, bytes.size(), sender);
-}
-
-void SerialLine::set_baud(int baud) {
-  settings_.baud = baud;
-  check_settings(settings_);
+void SerialLine::on_wire(WireTap tap) {
+  wire_tap_ = std::move(tap);
+  if (taps_.empty()) {
+    for (const auto& pair : pairs_) {
+      taps_.push_back(std::make_unique<Listener>([this](const WireByte& byte) { wire_tap_(byte); },
+                                                 nullptr, Listener::Kind::kTap));
+      pair->add(*taps_.back());
+    }
+  }
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    pairs_[i]->switch_off(*taps_[i]);
+    if (wire_tap_) pairs_[i]->switch_on(*taps_[i], settings_);
+  }
 }
 
 void SerialLine::set_host(const HostSettings& host) {
   host_ = host;
   check_settings(host_line());
+  wires(LineDirection::kToHost).tune(host_ear_, host_line());
+}
+
+void SerialLine::set_faults(LineDirection direction, const LineFaults& faults) {
+  check_faults(faults);
+  const auto index = static_cast<std::size_t>(direction);
+  faults_[index] = faults;
+  faulty_[index] =
+      faults.lost > 0 || faults.flipped > 0 || faults.duplicated > 0 || faults.delayed > 0;
+  apply_wire_faults();
+}
+
+const LineFaults* SerialLine::active_faults(LineDirection direction) const {
+  const auto index = static_cast<std::size_t>(direction);
+  return faulty_[index] ? &faults_[index] : nullptr;
+}
+
+// Two directions on one pair: what either asks for.
+void SerialLine::apply_wire_faults() {
+  const auto& [to_devices, to_host] = faults_;
+  wires(LineDirection::kToDevices).cut(host_talker_, to_devices.cut);
+  for (const auto& device : devices_) {
+    wires(LineDirection::kToHost).cut(device->talker_, to_host.cut);
+  }
+  if (options_.duplex == Duplex::kHalf) {
+    const bool first = to_devices.stuck != LineStuck::kNo;
+    pairs_[0]->hold(first ? to_devices.stuck : to_host.stuck);
+    pairs_[0]->make_noise(to_devices.noise_per_s + to_host.noise_per_s, settings_);
+    return;
+  }
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    pairs_[i]->hold(faults_[i].stuck);
+    pairs_[i]->make_noise(faults_[i].noise_per_s, settings_);
+  }
+}
+
+WirePair& SerialLine::wires(LineDirection direction) {
+  return options_.duplex == Duplex::kHalf ? *pairs_[0]
+                                          : *pairs_[static_cast<std::size_t>(direction)];
+}
+
+void SerialLine::set_line(const LineSettings& settings) {
+  settings_ = settings;
+  wires(LineDirection::kToHost).tune(host_ear_, host_line());
+  for (std::size_t i = 0; i < taps_.size(); ++i) pairs_[i]->tune(*taps_[i], settings_);
+  apply_wire_faults();
+}
+
+void SerialLine::hear_at_host(const WireByte& byte) {
+  if (!host_listener_ || (byte.error && throws_away_errors(host_line()))) return;
+  ++counters_.to_host;
+  host_listener_(byte.byte, loop_.now());
 }
 
 LineSettings SerialLine::host_line() const {
   LineSettings line = settings_;
-  if (host_.baud != 0 && !close_enough(host_.baud, settings_.baud)) line.baud = host_.baud;
+  if (host_.baud != 0) line.baud = host_.baud;
   if (host_.stop_bits != 0) line.stop_bits = host_.stop_bits;
   if (host_.data_bits != 0) line.data_bits = host_.data_bits;
   if (host_.parity) line.parity = *host_.parity;

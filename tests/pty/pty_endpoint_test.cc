@@ -345,7 +345,7 @@ TEST(PtyEndpoint, AHostThatDoesNotFollowADrivesNewBaudRateGetsGarbage) {
   PumpedEndpoint bench{{.timing = LineTiming::kIdeal, .baud = 9600}};
   const FileDescriptor host = open_host(bench);
   ASSERT_TRUE(attach(bench));
-  bench.line.set_baud(19200);
+  bench.line.device(0).set_baud(19200);
   write_all(host, {0x55});
   ASSERT_TRUE(bench.pump([&] { return bench.heard.size() == 2; }));
   EXPECT_EQ(bench.heard, (Bytes{0x66, 0xE6}));
@@ -353,10 +353,10 @@ TEST(PtyEndpoint, AHostThatDoesNotFollowADrivesNewBaudRateGetsGarbage) {
 
 TEST(PtyEndpoint, TheTerminalFollowsADrivesNewBaudRateWhileNobodyIsThere) {
   PumpedEndpoint bench{{.baud = 9600}};
-  bench.line.set_baud(250000);
+  bench.line.device(0).set_baud(250000);
   bench.endpoint.flush();
   EXPECT_EQ(bench.line.host().baud, 250000);
-  bench.line.set_baud(57600);
+  bench.line.device(0).set_baud(57600);
   bench.endpoint.flush();
   const FileDescriptor host = open_host(bench);
   const termios settings = settings_of(host);
@@ -416,7 +416,7 @@ TEST(PtyEndpoint, AHostThatClosesInTheMiddleOfAReplyHarmsNobody) {
   PumpedEndpoint bench{{.baud = 9600}};
   FileDescriptor host = open_host(bench);
   ASSERT_TRUE(attach(bench));
-  bench.line.device_port().send(Bytes{1, 2, 3, 4, 5, 6});
+  bench.line.device(0).send(Bytes{1, 2, 3, 4, 5, 6});
   bench.loop.run_until(bench.loop.now() + bench.line.settings().time_of(3));
   bench.endpoint.flush();
   host.reset();

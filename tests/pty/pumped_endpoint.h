@@ -22,7 +22,7 @@ class Pumped : public SerialReceiver {
   explicit Pumped(const LineSettings& settings = {.timing = LineTiming::kIdeal},
                   const Arguments&... arguments)
       : line(loop, settings), endpoint(line, arguments...) {
-    line.attach(*this);
+    line.add_device().attach(*this);
   }
 
   void receive(std::uint8_t byte) override { heard.push_back(byte); }
@@ -48,7 +48,7 @@ class Pumped : public SerialReceiver {
 
   /// The device sends, and what has left goes to the host at once.
   void say(const std::vector<std::uint8_t>& bytes) {
-    line.device_port().send(bytes);
+    line.device(0).send(bytes);
     loop.run_until(loop.now() + line.settings().time_of(static_cast<std::int64_t>(bytes.size())));
     endpoint.flush();
   }

@@ -43,9 +43,9 @@ class Complement final : public SerialReceiver {
 struct Drive {
   explicit Drive(EventLoop& loop, const std::string& link = "")
       : line(loop, {.timing = LineTiming::kIdeal}),
-        device(loop, line.device_port()),
+        device(loop, line.add_device()),
         endpoint(line, link) {
-    line.attach(device);
+    line.device(0).attach(device);
   }
   SerialLine line;
   Complement device;
@@ -155,8 +155,8 @@ TEST(Runner, ServesSeveralEndpointsWhileNothingElseHappens) {
 TEST(Runner, AHostOnARealLineIsAnsweredAfterTheCharacterTimes) {
   EventLoop loop;
   SerialLine line{loop, {.baud = 9600}};
-  Complement device{loop, line.device_port()};
-  line.attach(device);
+  Complement device{loop, line.add_device()};
+  line.device(0).attach(device);
   PtyEndpoint endpoint{line};
   Runner runner{loop, {.until = kDeadline}};
   runner.add(endpoint);

@@ -106,7 +106,7 @@ TEST(SerialDeviceEndpoint, ThePortIsSetAsTheLineIsAndGetsItsOwnSettingsBack) {
 TEST(SerialDeviceEndpoint, FollowsTheDrivesNewBaudRate) {
   const Wire wire;
   Bench bench{kIdeal, wire.path};
-  bench.line.set_baud(9600);
+  bench.line.device(0).set_baud(9600);
   bench.say({1});
   EXPECT_EQ(read_bytes(bench, wire, 1), Bytes{1});
   const termios now = wire.settings();

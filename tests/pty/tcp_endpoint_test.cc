@@ -61,7 +61,7 @@ struct Bench final : Pumped<TcpEndpoint> {
 
   void receive(std::uint8_t byte) override {
     Pumped::receive(byte);
-    if (echoes) line.device_port().send(std::span(&byte, 1));
+    if (echoes) line.device(0).send(std::span(&byte, 1));
   }
 
   std::uint16_t port() const {

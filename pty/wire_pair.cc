@@ -1,0 +1,419 @@
+#include "pty/wire_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace virtdrive {
+
+// --- Talker --------------------------------------------------------------------------------------
+
+// A burst goes on while its characters follow each other without a gap at the same settings: each
+// one's time is computed from the burst's start, so that no rounding adds up. After `baud`
+// characters a burst has lasted a whole number of seconds, and starting anew is exact.
+void Talker::say(CharacterBits bits, Character::Kind kind, const LineSettings& settings,
+                 SimTime now) {
+  if (idle_ < now || settings != sender_ || burst_count_ >= settings.baud) {
+    idle_ = burst_start_ = std::max(idle_, now);
+    burst_count_ = 0;
+    sender_ = settings;
+  }
+  if (queue_.size() == kMaxQueued) {
+    ++dropped_;
+    return;
+  }
+  const SimTime end = burst_start_ + settings.time_of(++burst_count_);
+  queue_.push_back({idle_, end, settings, bits, kind});
+  idle_ = end;
+}
+
+void Talker::hold_low(SimDuration duration, const LineSettings& settings, SimTime now) {
+  if (queue_.size() == kMaxQueued) {
+    ++dropped_;
+    return;
+  }
+  const SimTime begin = std::max(idle_, now);
+  queue_.push_back({begin, begin + duration, settings, {}, Character::Kind::kBreak});
+  idle_ = begin + duration;
+  // A start bit needs an edge: the line is high for a bit time.
+  pause(settings.time_of(1) / settings.character_bits(), now);
+}
+
+void Talker::pause(SimDuration duration, SimTime now) {
+  idle_ = burst_start_ = std::max(idle_, now) + duration;
+  burst_count_ = 0;
+}
+
+void Talker::let_go(SimTime now) {
+  queue_.clear();
+  idle_ = burst_start_ = now;
+  burst_count_ = 0;
+}
+
+Talker::Drive Talker::drive(SimTime t) const {
+  using Level = Drive::Level;
+  if (cut_) return {};
+  const auto current = std::ranges::find_if(queue_, [t](const auto& c) { return t < c.end; });
+  if (current == queue_.end()) return {};
+  const Character& c = *current;
+  if (t < c.begin) return {Level::kReleased, c.begin};
+  if (c.kind == Character::Kind::kLost) return {Level::kReleased, c.end};
+  if (c.kind == Character::Kind::kBreak) return {Level::kLow, c.end};
+  const int bits = c.settings.character_bits();
+  const auto start_of = [&](std::int64_t bit) { return c.begin + (c.end - c.begin) * bit / bits; };
+  auto bit = static_cast<int>((t - c.begin) * bits / (c.end - c.begin));
+  while (start_of(bit + 1) <= t) ++bit;  // starts are rounded down
+  return {c.bits.high(bit, c.settings) ? Level::kHigh : Level::kLow, start_of(bit + 1)};
+}
+
+// --- WirePair: talking ---------------------------------------------------------------------------
+
+WirePair::WirePair(EventLoop& loop, RandomStream& chance, LineCounters& counters)
+    : loop_(loop),
+      chance_(chance),
+      counters_(counters),
+      wakeup_(loop.add(Phase::kBytes, [this] { run(); })) {}
+
+SimTime WirePair::send(Talker& talker, std::span<const std::uint8_t> bytes,
+                       const LineSettings& settings, const LineFaults* faults) {
+  if (begin(talker, settings)) counters_.garbled += bytes.size();
+  for (const std::uint8_t byte : bytes) {
+    if (faults == nullptr) {
+      talker.say({byte}, Talker::Character::Kind::kByte, settings, loop_.now());
+    } else {
+      utter(talker, byte, settings, *faults);
+    }
+  }
+  return queued(talker);
+}
+
+SimTime WirePair::send_break(Talker& talker, SimDuration duration, const LineSettings& settings) {
+  begin(talker, settings);
+  sample_all();
+  talker.hold_low(duration, settings, loop_.now());
+  return queued(talker);
+}
+
+void WirePair::cut_off(Talker& talker) {
+  if (talker.idle_ <= loop_.now()) return;
+  sample_all();
+  log_until(loop_.now());
+  talker.let_go(loop_.now());
+  look_again();
+}
+
+// What it means for those who listen that somebody is about to say more; true if one of them will
+// not understand it.
+bool WirePair::begin(Talker& talker, const LineSettings& settings) {
+  if (talker.idle_ <= loop_.now()) {
+    bool clash = false;
+    bool collision = false;
+    for (const Talker* other : active_) {
+      if (other->idle_ <= loop_.now()) continue;
+      clash = true;
+      collision = collision || other != &noise_;
+    }
+    if (collision) ++counters_.collisions;
+    if (clash || talker.cut_ || stuck_ != LineStuck::kNo) sample_all();
+  }
+  bool misunderstood = false;
+  for (Listener* listener : listeners_) {
+    if (!listener->on_ || listener->own_ == &talker) continue;
+    if (understand_each_other(settings, listener->settings_)) continue;
+    if (settings.timing == LineTiming::kReal) sample(*listener, in_flight_since());
+    if (listener->kind_ == Listener::Kind::kEnd) misunderstood = true;
+  }
+  return misunderstood;
+}
+
+SimTime WirePair::queued(Talker& talker) {
+  const SimTime out = std::max(talker.idle_, loop_.now());
+  for (Listener* listener : listeners_) {
+    if (listener->own_ == &talker && listener->sampling_) listener->uart_.listen_from(out);
+  }
+  const bool goes_on = talker.listed_ && sampling_ == 0;
+  if (goes_on || talker.queue_.empty()) return out;
+  if (!talker.listed_) active_.push_back(&talker);
+  talker.listed_ = true;
+  schedule();
+  return out;
+}
+
+void WirePair::utter(Talker& talker, std::uint8_t byte, const LineSettings& settings,
+                     const LineFaults& faults) {
+  using Kind = Talker::Character::Kind;
+  if (happens(faults.delayed)) {
+    ++counters_.fault_delayed;
+    talker.pause(faults.delay, loop_.now());
+  }
+  if (happens(faults.lost)) {
+    ++counters_.fault_lost;
+    talker.say({byte}, Kind::kLost, settings, loop_.now());
+    return;
+  }
+  CharacterBits bits{byte};
+  if (happens(faults.flipped)) {
+    ++counters_.fault_flipped;
+    const bool parity = settings.parity != Parity::kNone;
+    const auto bit = chance_.bits() % static_cast<unsigned>(settings.data_bits + (parity ? 1 : 0));
+    // Beyond the data bits the shift leaves nothing: the parity bit itself.
+    if (bit < static_cast<unsigned>(settings.data_bits)) {
+      bits.byte = static_cast<std::uint8_t>(byte ^ 1U << bit);
+    }
+    bits.wrong_parity = parity;
+  }
+  talker.say(bits, Kind::kByte, settings, loop_.now());
+  if (happens(faults.duplicated)) {
+    ++counters_.fault_duplicated;
+    talker.say(bits, Kind::kByte, settings, loop_.now());
+  }
+}
+
+// --- WirePair: listening -------------------------------------------------------------------------
+
+void WirePair::switch_on(Listener& listener, const LineSettings& settings) {
+  listener.on_ = true;
+  listener.settings_ = settings;
+  begin_anew(listener);
+}
+
+void WirePair::switch_off(Listener& listener) {
+  listener.on_ = false;
+  stop_sampling(listener);
+}
+
+void WirePair::tune(Listener& listener, const LineSettings& settings) {
+  const bool same = understand_each_other(settings, listener.settings_);
+  listener.settings_ = settings;
+  if (listener.on_ && !same) begin_anew(listener);
+}
+
+// What is on the wires at this moment a receiver hears from its middle on.
+void WirePair::begin_anew(Listener& listener) {
+  if (!somebody_talks() && stuck_ != LineStuck::kLow) return;
+  sample(listener, loop_.now());
+  look_again();
+}
+
+void WirePair::run() {
+  const SimTime now = loop_.now();
+  if (sampling_ > 0) log_until(now);
+  for (std::size_t i = 0; i < active_.size(); ++i) {  // a callback may add one
+    Talker& talker = *active_[i];
+    while (!talker.queue_.empty() && talker.queue_.front().end <= now) {
+      const Talker::Character character = talker.queue_.front();
+      talker.queue_.pop_front();
+      hear_directly(talker, character);
+    }
+  }
+  std::erase_if(active_, [](Talker* talker) {
+    if (talker->queue_.empty()) talker->listed_ = false;
+    return talker->queue_.empty();
+  });
+  for (std::size_t i = 0; i < listeners_.size(); ++i) hear_untimed(*listeners_[i]);
+  if (sampling_ > 0) hear_samples();
+  if (now >= next_noise_) {
+    draw_next_noise();
+    if (!somebody_talks()) {
+      ++counters_.noise;
+      begin(noise_, noise_settings_);
+      noise_.say({static_cast<std::uint8_t>(chance_.bits() >> 56)}, Talker::Character::Kind::kByte,
+                 noise_settings_, now);
+      queued(noise_);
+    }
+  }
+  schedule();
+}
+
+void WirePair::hear_directly(const Talker& talker, const Talker::Character& c) {
+  if (c.kind != Talker::Character::Kind::kByte) return;
+  const bool untimed = c.begin == c.end;
+  if (untimed && (talker.cut_ || stuck_ != LineStuck::kNo)) return;
+  for (std::size_t i = 0; i < listeners_.size(); ++i) {
+    Listener& listener = *listeners_[i];
+    if (!listener.on_ || listener.own_ == &talker || c.end > listener.direct_until_) continue;
+    if (untimed && !understand_each_other(c.settings, listener.settings_)) {
+      listener.untimed_from_ = c.settings;
+      listener.untimed_.push_back(c.bits.byte);
+    } else {
+      listener.hear_({c.bits.byte, c.begin, c.end, c.bits.wrong_parity, talker.id_});
+    }
+  }
+}
+
+// An ideal line leaves no time in which to sample: a burst is heard as it would be at real speed,
+// all at once.
+void WirePair::hear_untimed(Listener& listener) {
+  if (listener.untimed_.empty()) return;
+  const std::vector<std::uint8_t> said = std::exchange(listener.untimed_, {});
+  for (WireByte byte : resample(said, listener.untimed_from_, listener.settings_)) {
+    byte.begin = byte.end = loop_.now();
+    listener.hear_(byte);
+  }
+}
+
+void WirePair::hear_samples() {
+  for (std::size_t i = 0; i < listeners_.size(); ++i) {
+    Listener& listener = *listeners_[i];
+    while (listener.sampling_) {
+      std::optional<WireByte> byte =
+          listener.uart_.read(levels_, listener.settings_, std::min(logged_, loop_.now()));
+      if (!byte) break;
+      byte->collided = byte->begin < clash_end_ && byte->end > clash_begin_;
+      listener.hear_(*byte);
+    }
+  }
+  SimTime needed = std::min(logged_, in_flight_since());
+  for (const Listener* listener : listeners_) {
+    if (listener->sampling_) needed = std::min(needed, listener->uart_.from());
+  }
+  levels_.forget_before(needed);
+  settle();
+}
+
+// --- WirePair: sampling --------------------------------------------------------------------------
+
+bool WirePair::somebody_talks() const {
+  return std::ranges::any_of(active_, [](const Talker* t) { return !t->queue_.empty(); });
+}
+
+/// The begin of the earliest character that is on the wires now.
+SimTime WirePair::in_flight_since() const {
+  SimTime since = loop_.now();
+  for (const Talker* talker : active_) {
+    for (const Talker::Character& character : talker->queue_) {
+      if (character.end <= loop_.now()) continue;  // heard at this very instant
+      since = std::min(since, character.begin);
+      break;
+    }
+  }
+  return since;
+}
+
+void WirePair::sample_all() {
+  const SimTime since = in_flight_since();
+  for (Listener* listener : listeners_) {
+    if (!listener->sampling_) sample(*listener, since);
+  }
+}
+
+void WirePair::sample(Listener& listener, SimTime from) {
+  if (!listener.on_) return;
+  if (sampling_ == 0) {
+    levels_.clear();
+    logged_ = in_flight_since();
+    levels_.append(logged_, stuck_ != LineStuck::kLow);
+  }
+  if (!listener.sampling_) {
+    ++sampling_;
+    listener.sampling_ = true;
+    listener.direct_until_ = from;
+  }
+  const bool deaf = listener.own_ != nullptr && listener.own_->idle_ > from;
+  listener.uart_.listen_from(deaf ? listener.own_->idle_ : from);
+}
+
+void WirePair::stop_sampling(Listener& listener) {
+  if (!listener.sampling_) return;
+  --sampling_;
+  listener.sampling_ = false;
+  listener.direct_until_ = kNever;
+}
+
+void WirePair::log_until(SimTime t) {
+  while (logged_ < t) {
+    SimTime next = t;
+    int low = 0;
+    int high = 0;
+    int pulls = kNoTalker;
+    for (const Talker* talker : active_) {
+      const Talker::Drive drive = talker->drive(logged_);
+      next = std::min(next, drive.until);
+      if (drive.level == Talker::Drive::Level::kHigh) ++high;
+      if (drive.level == Talker::Drive::Level::kLow) {
+        ++low;
+        pulls = talker->id();
+      }
+    }
+    bool level = low == high ? low == 0 || chance_.bits() >> 63 != 0 : high > low;
+    if (stuck_ != LineStuck::kNo) level = stuck_ == LineStuck::kHigh;
+    if (low + high > 1) {
+      if (clash_end_ != logged_) clash_begin_ = logged_;
+      clash_end_ = next;
+    }
+    levels_.append(logged_, level, pulls);
+    logged_ = next;
+  }
+}
+
+// Back to the simple way once everybody is between two characters.
+void WirePair::settle() {
+  if (somebody_talks() || !levels_.high()) return;
+  for (const Listener* listener : listeners_) {
+    if (!listener->sampling_) continue;
+    if (listener->uart_.due(levels_, listener->settings_) != kNever) return;
+  }
+  for (Listener* listener : listeners_) stop_sampling(*listener);
+}
+
+void WirePair::schedule() {
+  SimTime next = next_noise_;
+  bool more = false;
+  for (const Talker* talker : active_) {
+    if (talker->queue_.empty()) continue;
+    next = std::min(next, talker->queue_.front().end);
+    more = true;
+  }
+  if (sampling_ > 0) {
+    for (const Listener* listener : listeners_) {
+      if (!listener->sampling_) continue;
+      // An edge that is not known yet is not before the end of what is logged.
+      SimTime due = listener->uart_.due(levels_, listener->settings_);
+      if (due == kNever && more) due = logged_ + reading_time(listener->settings_);
+      next = std::min(next, std::max(due, loop_.now()));
+    }
+  }
+  wakeup_.at(next);
+}
+
+void WirePair::look_again() {
+  wakeup_.at(loop_.now());
+}
+
+// --- WirePair: faults ----------------------------------------------------------------------------
+
+void WirePair::hold(LineStuck level) {
+  if (level == stuck_) return;
+  sample_all();
+  log_until(loop_.now());
+  stuck_ = level;
+  if (!somebody_talks()) levels_.append(loop_.now(), level != LineStuck::kLow);
+  look_again();
+}
+
+void WirePair::cut(Talker& talker, bool is_cut) {
+  if (talker.cut_ == is_cut) return;
+  if (talker.idle_ > loop_.now()) {
+    sample_all();
+    log_until(loop_.now());
+    look_again();
+  }
+  talker.cut_ = is_cut;
+}
+
+void WirePair::make_noise(double per_s, const LineSettings& settings) {
+  noise_settings_ = settings;
+  if (per_s == noise_per_s_) return;
+  noise_per_s_ = per_s;
+  draw_next_noise();
+  look_again();
+}
+
+// Independent events: the gaps between them are distributed exponentially.
+void WirePair::draw_next_noise() {
+  next_noise_ = noise_per_s_ == 0
+                    ? kNever
+                    : loop_.now() + from_seconds(-std::log1p(-chance_.uniform()) / noise_per_s_);
+}
+
+}  // namespace virtdrive
