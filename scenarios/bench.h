@@ -31,7 +31,9 @@ namespace virtdrive {
 struct LineSpec {
   std::string name = "line";
   LineTiming timing = LineTiming::kReal;
-  std::optional<int> baud;  // none: the default of the first drive on it
+  std::optional<int> baud;       // none: the default of the first drive on it
+  std::optional<Duplex> duplex;  // none: as the first drive on it has it
+  bool echo = false;             // half duplex: the host hears itself
 };
 
 struct BenchOptions {
@@ -81,13 +83,15 @@ class Bench {
 
  private:
   struct NamedLine {
-    NamedLine(EventLoop& loop, const LineSpec& spec, int baud)
-        : name(spec.name), line(loop, {.timing = spec.timing, .baud = baud}) {}
+    NamedLine(EventLoop& loop, std::string its_name, const LineSettings& settings,
+              LineOptions options)
+        : name(std::move(its_name)), line(loop, settings, std::move(options)) {}
     std::string name;
     SerialLine line;
   };
 
   void add_line(const LineSpec& spec, const BenchOptions& options);
+  void register_line(const std::string& name, SerialLine& line);
   void add_drive(const DriveSpec& spec, const BenchOptions& options);
 
   Seed seed_;

@@ -18,6 +18,7 @@
 #include "devices/wire_log.h"
 #include "plant/axis.h"
 #include "plant/motor_library.h"
+#include "pty/serial_line.h"
 #include "scenarios/host_client.h"
 
 namespace virtdrive {
@@ -65,8 +66,9 @@ struct DriveKind {
   std::string_view name;  // as typed: "toshiba-mcu"
   std::string_view default_motor;
   int default_baud;
-  std::size_t channels;         // motors that it drives
-  std::size_t default_channel;  // the motor number of the document's examples
+  Duplex duplex = Duplex::kFull;  // of the line that it is made for
+  std::size_t channels;           // motors that it drives
+  std::size_t default_channel;    // the motor number of the document's examples
   const protocol::ProtocolTable& table;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
   std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;

@@ -140,8 +140,59 @@ TEST(Bench, RefusesWhatDoesNotFitTogether) {
   EXPECT_EQ(error_of({.drives = {drive}, .lines = {{}, {.name = "b"}}}), "no drive is on line 'b'");
   EXPECT_EQ(error_of({.drives = {drive, lost}}),
             "drive 'second': unknown line 'lime'; did you mean line? (known: line)");
+  EXPECT_EQ(error_of({.drives = {drive}, .lines = {{.echo = true}}}),
+            "line 'line': a host hears itself on a half-duplex line only, and this one is full "
+            "duplex");
   EXPECT_EQ(error_of({.drives = {two_motors}}),
             "2 motors for toshiba-mcu: it has 3 channels; name one, or one each");
+}
+
+TEST(Bench, DrivesShareALineAndTalkOverEachOther) {
+  const DriveSpec drive{.kind = "toshiba-mcu"};
+  DriveSpec other = drive;
+  other.name = "other";
+  Bench bench({.drives = {drive, other}, .lines = {{.duplex = Duplex::kHalf}}});
+  std::size_t heard = 0;
+  bench.line().on_host_byte([&](std::uint8_t, SimTime) { ++heard; });
+  const std::uint8_t version[] = {0x11, 0x14, 0x00, 0x6c, 0x13};
+  bench.line().host_send(version);
+  bench.run_for(10ms);
+  EXPECT_EQ(bench.read("line.collisions"), 1);
+  EXPECT_GT(heard, 0U);  // what became of two answers
+  bench.drive("other").power_off();
+  EXPECT_EQ(bench.host()->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
+}
+
+TEST(Bench, AHostOnTwoWiresMayHearItself) {
+  Bench bench(
+      {.drives = {{.kind = "toshiba-mcu"}}, .lines = {{.duplex = Duplex::kHalf, .echo = true}}});
+  std::vector<std::uint8_t> heard;
+  bench.line().on_host_byte([&](std::uint8_t byte, SimTime) { heard.push_back(byte); });
+  const std::uint8_t version[] = {0x11, 0x14, 0x00, 0x6c, 0x13};
+  bench.line().host_send(version);
+  bench.run_for(10ms);
+  ASSERT_EQ(heard.size(), 11U);
+  EXPECT_TRUE(std::equal(std::begin(version), std::end(version), heard.begin()));
+}
+
+TEST(Bench, LineFaultsHaveNames) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  const auto host = bench.host();
+  bench.registry().inject("line.to_host_cut");
+  EXPECT_THROW(host->call("GetFWVersion", {0}), ClientError);
+  bench.registry().clear("line.to_host_cut");
+  EXPECT_EQ(host->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
+  bench.registry().inject("line.to_drives_lost", 1);
+  EXPECT_THROW(host->call("GetFWVersion", {0}), ClientError);
+  bench.registry().clear_faults();
+  const SimTime before = bench.loop().now();
+  EXPECT_EQ(host->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
+  const SimDuration usual = bench.loop().now() - before;
+  bench.set("line.to_drives_delay", 0.01);
+  bench.registry().inject("line.to_drives_delayed");
+  EXPECT_EQ(host->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
+  // Five bytes, each 10 ms late; a character time is rounded to 1 ns anew after each gap.
+  EXPECT_NEAR(seconds(bench.loop().now() - before), seconds(2 * usual + 5 * 10ms), 1e-8);
 }
 
 TEST(Bench, RunsUntilAConditionHoldsOrTheTimeIsOver) {
@@ -226,7 +277,7 @@ TEST(Client, TellsARefusalASilenceAndADamagedAnswerApart) {
   EXPECT_EQ(error_of([&] { client.stop_motor(1); }), "StopMotor: refused with code -1");
   EXPECT_EQ(error_of([&] { client.get(1, "Speed"); }),
             "GetOneMotorParameter: refused with code -1");
-  bench.line().set_baud(9600);
+  bench.line().device(0).set_baud(9600);
   bench.line().set_host({.baud = 115200});
   EXPECT_EQ(error_of([&] { client.version(); }), "GetFWVersion: the drive does not answer");
 }
