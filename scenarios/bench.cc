@@ -47,7 +47,7 @@ void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
     throw SetupError(fmt::format("no drive is on line '{}'", spec.name));
   }
   const int baud = spec.baud.value_or(find_drive(first->kind).default_baud);
-  lines_.push_back(std::make_unique<NamedLine>(loop_, spec, baud));
+  lines_.push_back(std::make_unique<NamedLine>(loop_, spec, baud, seed_));
 }
 
 void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {

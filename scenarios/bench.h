@@ -81,8 +81,9 @@ class Bench {
 
  private:
   struct NamedLine {
-    NamedLine(EventLoop& loop, const LineSpec& spec, int baud)
-        : name(spec.name), line(loop, {.timing = spec.timing, .baud = baud}) {}
+    NamedLine(EventLoop& loop, const LineSpec& spec, int baud, const Seed& seed)
+        : name(spec.name),
+          line(loop, {.timing = spec.timing, .baud = baud}, {.chance = seed.stream(spec.name)}) {}
     std::string name;
     SerialLine line;
   };

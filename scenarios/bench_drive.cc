@@ -43,11 +43,12 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
       kind_(find_drive(spec.kind)),
       loop_(bench.loop),
       line_(bench.line),
+      line_end_(line_.add_device()),
       seed_(bench.seed.scope(spec.name)),
       motors_(motors_of(spec, kind_)),
       memory_(open_memory(spec.nvm, kind_.name, bench.notes)),
       drive_(kind_.make({.loop = bench.loop,
-                         .port = line_.device_port(),
+                         .port = line_end_,
                          .seed = seed_,
                          .memory = *memory_,
                          .motors = motors_,
@@ -58,7 +59,7 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
                          .notes = bench.notes})),
       load_steps_(parse_load(spec.load, kind_.channels)),
       load_step_(loop_.add(Phase::kScenario, [this] { apply_due_load_steps(); })) {
-  line_.attach(drive_->receiver());
+  line_end_.attach(drive_->receiver());
   for (const std::string& assignment : spec.set) write(assignment);
   apply_due_load_steps();
 }
@@ -74,10 +75,12 @@ void BenchDrive::write(const std::string& assignment) {
 void BenchDrive::power_off() {
   if (!std::exchange(powered_, false)) return;
   drive_->power_off();
+  line_end_.detach();
 }
 
 void BenchDrive::power_on() {
   if (std::exchange(powered_, true)) return;
+  line_end_.attach(drive_->receiver());
   drive_->power_on();
 }
 

@@ -72,6 +72,7 @@ class BenchDrive {
   const DriveKind& kind_;
   EventLoop& loop_;
   SerialLine& line_;
+  LineEnd& line_end_;
   Seed seed_;
   std::vector<const Motor*> motors_;  // one a channel
   std::unique_ptr<NonVolatileMemory> memory_;

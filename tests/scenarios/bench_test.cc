@@ -226,7 +226,7 @@ TEST(Client, TellsARefusalASilenceAndADamagedAnswerApart) {
   EXPECT_EQ(error_of([&] { client.stop_motor(1); }), "StopMotor: refused with code -1");
   EXPECT_EQ(error_of([&] { client.get(1, "Speed"); }),
             "GetOneMotorParameter: refused with code -1");
-  bench.line().set_baud(9600);
+  bench.line().device(0).set_baud(9600);
   bench.line().set_host({.baud = 115200});
   EXPECT_EQ(error_of([&] { client.version(); }), "GetFWVersion: the drive does not answer");
 }
