@@ -157,8 +157,6 @@ TEST(Stations, PowerThatComesInTheMiddleOfACharacterGivesGarbageAndThenService) 
   bus.run_for(65us);  // in the second low data bit; 0000 are still to come, then 1
   bus.line.device(0).attach(bus.devices[0]);
   bus.run_for(1s);
-  // Half a low bit and two whole ones, then the stop bit: read as a start bit, 00, high until the
-  // second character's start bit, and its ones.
   EXPECT_NE(bus.devices[0].bytes(), (Bytes{0x0F, 0xFF}));
   EXPECT_EQ(bus.devices[1].bytes(), (Bytes{0x0F, 0xFF}));
   bus.devices[0].heard.clear();
