@@ -47,14 +47,15 @@ class Talker {
   /// Characters that may wait to leave.
   static constexpr std::size_t kMaxQueued = 65536;
 
-  struct Character {
-    enum class Kind : std::uint8_t { kByte, kLost, kBreak };
+  enum class Content : std::uint8_t { kByte, kWrongParity, kLost, kBreak };
 
+  struct Character {
     SimTime begin;
     SimTime end;
-    LineSettings settings;
-    CharacterBits bits;
-    Kind kind = Kind::kByte;
+    std::uint16_t levels;  // of each bit time
+    std::uint8_t bits;     // how many; 0: the wires are left alone
+    std::uint8_t byte;
+    Content content;
   };
 
   /// What it does with the wires from an instant on, and until when.
@@ -76,7 +77,7 @@ class Talker {
  private:
   friend class WirePair;
 
-  void say(CharacterBits bits, Character::Kind kind, const LineSettings& settings, SimTime now);
+  void say(std::uint8_t byte, Content content, const LineSettings& settings, SimTime now);
   void hold_low(SimDuration duration, const LineSettings& settings, SimTime now);
   void pause(SimDuration duration, SimTime now);
   void let_go(SimTime now);
@@ -114,8 +115,6 @@ class Listener {
   bool sampling_ = false;
   SimTime direct_until_ = kNever;  // characters that end by then are heard without sampling
   Uart uart_;
-  std::vector<std::uint8_t> untimed_;  // of an ideal line, said at other settings
-  LineSettings untimed_from_;
 };
 
 class WirePair {
@@ -145,12 +144,13 @@ class WirePair {
   void hold(LineStuck level);
   /// A talker that is cut goes on talking, and nobody hears it.
   void cut(Talker& talker, bool is_cut);
-  void make_noise(double per_s, const LineSettings& settings);
+  void set_noise(double per_s, const LineSettings& settings);
 
  private:
   void run();
+  void hear_directly();
   void hear_directly(const Talker& talker, const Talker::Character& character);
-  void hear_untimed(Listener& listener);
+  void hear_untimed(const Talker& talker, std::span<const std::uint8_t> bytes);
   void hear_samples();
   void settle();
   void schedule();
@@ -168,6 +168,7 @@ class WirePair {
   SimTime in_flight_since() const;
   void log_until(SimTime t);
   void look_again();
+  void make_noise();
   void draw_next_noise();
 
   EventLoop& loop_;
