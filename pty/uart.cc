@@ -114,8 +114,7 @@ SimDuration reading_time(const LineSettings& settings) {
   return one_stop_bit.character_time();
 }
 
-std::uint16_t character_levels(std::uint8_t byte, const LineSettings& settings,
-                               bool wrong_parity) {
+std::uint16_t character_levels(std::uint8_t byte, const LineSettings& settings, bool wrong_parity) {
   unsigned levels = (byte & ((1U << settings.data_bits) - 1)) << 1;
   int bits = 1 + settings.data_bits;
   if (settings.parity != Parity::kNone) {

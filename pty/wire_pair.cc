@@ -2,10 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace virtdrive {
+namespace {
+
+WireByte as_said(const Talker::Character& c, int talker) {
+  return {c.byte, c.begin, c.end, c.content == Talker::Content::kWrongParity, talker};
+}
+
+}  // namespace
 
 // --- Talker --------------------------------------------------------------------------------------
+
+Talker::Character& Talker::Queue::push() {
+  if (head_ > 64 && head_ > characters_.size() / 2) {  // each character moves once at the most
+    characters_.erase(characters_.begin(), begin());
+    head_ = 0;
+  }
+  return characters_.emplace_back();
+}
+
+void Talker::Queue::pop() {
+  if (++head_ == characters_.size()) clear();
+}
+
+void Talker::Queue::clear() {
+  characters_.clear();
+  head_ = 0;
+}
 
 // A burst goes on while its characters follow each other without a gap at the same settings: each
 // one's time is computed from the burst's start, so that no rounding adds up. After `baud`
@@ -22,10 +47,15 @@ void Talker::say(std::uint8_t byte, Content content, const LineSettings& setting
   }
   const SimTime end = burst_start_ + settings.time_of(++burst_count_);
   const bool lost = content == Content::kLost;
-  queue_.push_back({idle_, end,
-                    character_levels(byte, settings, content == Content::kWrongParity),
-                    static_cast<std::uint8_t>(lost ? 0 : settings.character_bits()), byte,
-                    content});
+  Character& character = queue_.push();
+  character.begin = idle_;
+  character.end = end;
+  character.levels = character_levels(byte, settings, content == Content::kWrongParity);
+  if (content != Content::kLost) {
+    character.bits = static_cast<std::uint8_t>(settings.character_bits());
+  }
+  character.byte = byte;
+  character.content = content;
   idle_ = end;
 }
 
@@ -35,7 +65,7 @@ void Talker::hold_low(SimDuration duration, const LineSettings& settings, SimTim
     return;
   }
   const SimTime begin = std::max(idle_, now);
-  queue_.push_back({begin, begin + duration, 0, 1, 0, Content::kBreak});
+  queue_.push() = {begin, begin + duration, 0, 1, 0, Content::kBreak};
   idle_ = begin + duration;
   // A start bit needs an edge: the line is high for a bit time.
   pause(settings.time_of(1) / settings.character_bits(), now);
@@ -208,21 +238,21 @@ void WirePair::run() {
 }
 
 void WirePair::hear_directly() {
+  using Content = Talker::Content;
   bool fell_silent = false;
   for (std::size_t i = 0; i < active_.size(); ++i) {  // who hears may talk, and become active
     Talker& talker = *active_[i];
-    std::vector<std::uint8_t> untimed;
     while (!talker.queue_.empty() && talker.queue_.front().end <= loop_.now()) {
       const Talker::Character character = talker.queue_.front();
-      talker.queue_.pop_front();
-      if (character.content == Talker::Content::kBreak || character.bits == 0) continue;
-      if (character.begin == character.end) {
-        if (talker.cut_ || stuck_ != LineStuck::kNo) continue;
-        untimed.push_back(character.byte);
+      talker.queue_.pop();
+      if (character.content == Content::kLost || character.content == Content::kBreak) continue;
+      if (character.begin < character.end) {
+        hear_directly(talker, character);
+      } else {
+        untimed_.push_back(character);
       }
-      hear_directly(talker, character);
     }
-    if (!untimed.empty()) hear_untimed(talker, untimed);
+    if (!untimed_.empty()) hear_untimed(talker, std::exchange(untimed_, {}));
     fell_silent = fell_silent || talker.queue_.empty();
   }
   if (!fell_silent) return;
@@ -233,27 +263,33 @@ void WirePair::hear_directly() {
 }
 
 void WirePair::hear_directly(const Talker& talker, const Talker::Character& c) {
-  const bool untimed = c.begin == c.end;
+  const WireByte byte = as_said(c, talker.id_);
   for (std::size_t i = 0; i < listeners_.size(); ++i) {
     Listener& listener = *listeners_[i];
-    if (!listener.on_ || listener.own_ == &talker || c.end > listener.direct_until_) continue;
-    if (untimed && !understand_each_other(talker.sender_, listener.settings_)) continue;
-    const bool error = c.content == Talker::Content::kWrongParity;
-    listener.hear_({c.byte, c.begin, c.end, error, talker.id_});
+    const bool hears = listener.on_ && listener.own_ != &talker && c.end <= listener.direct_until_;
+    if (hears) listener.hear_(byte);
   }
 }
 
 // An ideal line leaves no time in which to sample. Who is set otherwise hears what a burst would be
 // at real speed, all at once.
-void WirePair::hear_untimed(const Talker& talker, std::span<const std::uint8_t> bytes) {
+void WirePair::hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said) {
+  if (talker.cut_ || stuck_ != LineStuck::kNo) return;
+  std::vector<std::uint8_t> bytes;
+  for (const Talker::Character& character : said) bytes.push_back(character.byte);
   for (std::size_t i = 0; i < listeners_.size(); ++i) {
     Listener& listener = *listeners_[i];
     if (!listener.on_ || listener.own_ == &talker) continue;
-    if (understand_each_other(talker.sender_, listener.settings_)) continue;
+    if (understand_each_other(talker.sender_, listener.settings_)) {
+      for (const Talker::Character& character : said) {
+        if (listener.on_) listener.hear_(as_said(character, talker.id_));
+      }
+      continue;
+    }
     for (WireByte byte : resample(bytes, talker.sender_, listener.settings_)) {
       byte.begin = byte.end = loop_.now();
       byte.talker = talker.id_;
-      listener.hear_(byte);
+      if (listener.on_) listener.hear_(byte);
     }
   }
 }

@@ -13,7 +13,8 @@
 // wires high. A transceiver's receiver is off while its driver is on.
 #pragma once
 
-#include <deque>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -58,6 +59,23 @@ class Talker {
     Content content;
   };
 
+  /// First in, first out; a deque would allocate as often as it wraps.
+  class Queue {
+   public:
+    bool empty() const { return head_ == characters_.size(); }
+    std::size_t size() const { return characters_.size() - head_; }
+    auto begin() const { return characters_.begin() + static_cast<std::ptrdiff_t>(head_); }
+    auto end() const { return characters_.end(); }
+    const Character& front() const { return characters_[head_]; }
+    Character& push();
+    void pop();
+    void clear();
+
+   private:
+    std::vector<Character> characters_;  // those before head_ are gone
+    std::size_t head_ = 0;
+  };
+
   /// What it does with the wires from an instant on, and until when.
   struct Drive {
     enum class Level : std::uint8_t { kReleased, kLow, kHigh };
@@ -69,7 +87,7 @@ class Talker {
   Talker(int id, std::uint64_t& dropped) : id_(id), dropped_(dropped) {}
 
   int id() const { return id_; }
-  const std::deque<Character>& queue() const { return queue_; }
+  const Queue& queue() const { return queue_; }
   /// When the last bit is out; in the past if it does not talk.
   SimTime idle() const { return idle_; }
   Drive drive(SimTime t) const;
@@ -84,7 +102,7 @@ class Talker {
 
   int id_;
   std::uint64_t& dropped_;
-  std::deque<Character> queue_;
+  Queue queue_;
   LineSettings sender_;
   SimTime burst_start_ = kSimStart;
   std::int64_t burst_count_ = 0;  // characters of the burst so far
@@ -150,7 +168,7 @@ class WirePair {
   void run();
   void hear_directly();
   void hear_directly(const Talker& talker, const Talker::Character& character);
-  void hear_untimed(const Talker& talker, std::span<const std::uint8_t> bytes);
+  void hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said);
   void hear_samples();
   void settle();
   void schedule();
@@ -177,7 +195,8 @@ class WirePair {
   std::vector<Talker*> talkers_;
   std::vector<Talker*> active_;  // those with characters in their queues
   std::vector<Listener*> listeners_;
-  std::uint64_t noise_dropped_ = 0;  // never: it is made while nobody talks
+  std::vector<Talker::Character> untimed_;  // of an ideal line, heard at this instant
+  std::uint64_t noise_dropped_ = 0;         // never: it is made while nobody talks
   Talker noise_{kNoTalker, noise_dropped_};
   double noise_per_s_ = 0;
   LineSettings noise_settings_;
