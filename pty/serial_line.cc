@@ -170,12 +170,12 @@ void SerialLine::apply_wire_faults() {
   if (options_.duplex == Duplex::kHalf) {
     const bool first = to_devices.stuck != LineStuck::kNo;
     pairs_[0]->hold(first ? to_devices.stuck : to_host.stuck);
-    pairs_[0]->make_noise(to_devices.noise_per_s + to_host.noise_per_s, settings_);
+    pairs_[0]->set_noise(to_devices.noise_per_s + to_host.noise_per_s, settings_);
     return;
   }
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     pairs_[i]->hold(faults_[i].stuck);
-    pairs_[i]->make_noise(faults_[i].noise_per_s, settings_);
+    pairs_[i]->set_noise(faults_[i].noise_per_s, settings_);
   }
 }
 

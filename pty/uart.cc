@@ -114,13 +114,14 @@ SimDuration reading_time(const LineSettings& settings) {
   return one_stop_bit.character_time();
 }
 
-bool CharacterBits::high(int bit, const LineSettings& settings) const {
-  if (bit == 0) return false;
-  if (bit <= settings.data_bits) return (byte >> (bit - 1) & 1) != 0;
-  if (bit == settings.data_bits + 1 && settings.parity != Parity::kNone) {
-    return parity_bit(byte, settings) != wrong_parity;
+std::uint16_t character_levels(std::uint8_t byte, const LineSettings& settings, bool wrong_parity) {
+  unsigned levels = (byte & ((1U << settings.data_bits) - 1)) << 1;
+  int bits = 1 + settings.data_bits;
+  if (settings.parity != Parity::kNone) {
+    const bool high = parity_bit(byte, settings) != wrong_parity;
+    levels |= (high ? 1U : 0U) << bits++;
   }
-  return true;
+  return static_cast<std::uint16_t>(levels | ((1U << settings.stop_bits) - 1) << bits);
 }
 
 std::vector<WireByte> resample(std::span<const std::uint8_t> bytes, const LineSettings& sender,
@@ -128,9 +129,10 @@ std::vector<WireByte> resample(std::span<const std::uint8_t> bytes, const LineSe
   Levels levels;
   std::int64_t bit_times = 0;
   for (const std::uint8_t byte : bytes) {
+    const std::uint16_t bits = character_levels(byte, sender);
     for (int bit = 0; bit < sender.character_bits(); ++bit, ++bit_times) {
       levels.append(kSimStart + SimDuration{bit_times * kNsPerSecond / sender.baud},
-                    CharacterBits{byte}.high(bit, sender));
+                    (bits >> bit & 1) != 0);
     }
   }
   std::vector<WireByte> heard;

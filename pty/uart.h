@@ -87,13 +87,10 @@ class Uart {
 /// makes no difference.
 SimDuration reading_time(const LineSettings& settings);
 
-/// What is said: a character as a sequence of bits.
-struct CharacterBits {
-  std::uint8_t byte;
-  bool wrong_parity = false;
-  /// Bit 0 is the start bit; the last ones are stop bits.
-  bool high(int bit, const LineSettings& settings) const;
-};
+/// What is said: the level of each bit time of a character; bit 0 is the start bit, the last ones
+/// are stop bits.
+std::uint16_t character_levels(std::uint8_t byte, const LineSettings& settings,
+                               bool wrong_parity = false);
 
 /// What a UART set as `listener` makes of a burst that starts at kSimStart, sent by one set as
 /// `sender`, on a line that is idle before and after. Baud rates up to about 5 % apart give the

@@ -5,14 +5,37 @@
 #include <utility>
 
 namespace virtdrive {
+namespace {
+
+WireByte as_said(const Talker::Character& c, int talker) {
+  return {c.byte, c.begin, c.end, c.content == Talker::Content::kWrongParity, talker};
+}
+
+}  // namespace
 
 // --- Talker --------------------------------------------------------------------------------------
+
+Talker::Character& Talker::Queue::push() {
+  if (head_ > 64 && head_ > characters_.size() / 2) {  // each character moves once at the most
+    characters_.erase(characters_.begin(), begin());
+    head_ = 0;
+  }
+  return characters_.emplace_back();
+}
+
+void Talker::Queue::pop() {
+  if (++head_ == characters_.size()) clear();
+}
+
+void Talker::Queue::clear() {
+  characters_.clear();
+  head_ = 0;
+}
 
 // A burst goes on while its characters follow each other without a gap at the same settings: each
 // one's time is computed from the burst's start, so that no rounding adds up. After `baud`
 // characters a burst has lasted a whole number of seconds, and starting anew is exact.
-void Talker::say(CharacterBits bits, Character::Kind kind, const LineSettings& settings,
-                 SimTime now) {
+void Talker::say(std::uint8_t byte, Content content, const LineSettings& settings, SimTime now) {
   if (idle_ < now || settings != sender_ || burst_count_ >= settings.baud) {
     idle_ = burst_start_ = std::max(idle_, now);
     burst_count_ = 0;
@@ -23,7 +46,16 @@ void Talker::say(CharacterBits bits, Character::Kind kind, const LineSettings& s
     return;
   }
   const SimTime end = burst_start_ + settings.time_of(++burst_count_);
-  queue_.push_back({idle_, end, settings, bits, kind});
+  const bool lost = content == Content::kLost;
+  Character& character = queue_.push();
+  character.begin = idle_;
+  character.end = end;
+  character.levels = character_levels(byte, settings, content == Content::kWrongParity);
+  if (content != Content::kLost) {
+    character.bits = static_cast<std::uint8_t>(settings.character_bits());
+  }
+  character.byte = byte;
+  character.content = content;
   idle_ = end;
 }
 
@@ -33,7 +65,7 @@ void Talker::hold_low(SimDuration duration, const LineSettings& settings, SimTim
     return;
   }
   const SimTime begin = std::max(idle_, now);
-  queue_.push_back({begin, begin + duration, settings, {}, Character::Kind::kBreak});
+  queue_.push() = {begin, begin + duration, 0, 1, 0, Content::kBreak};
   idle_ = begin + duration;
   // A start bit needs an edge: the line is high for a bit time.
   pause(settings.time_of(1) / settings.character_bits(), now);
@@ -57,13 +89,12 @@ Talker::Drive Talker::drive(SimTime t) const {
   if (current == queue_.end()) return {};
   const Character& c = *current;
   if (t < c.begin) return {Level::kReleased, c.begin};
-  if (c.kind == Character::Kind::kLost) return {Level::kReleased, c.end};
-  if (c.kind == Character::Kind::kBreak) return {Level::kLow, c.end};
-  const int bits = c.settings.character_bits();
-  const auto start_of = [&](std::int64_t bit) { return c.begin + (c.end - c.begin) * bit / bits; };
-  auto bit = static_cast<int>((t - c.begin) * bits / (c.end - c.begin));
-  while (start_of(bit + 1) <= t) ++bit;  // starts are rounded down
-  return {c.bits.high(bit, c.settings) ? Level::kHigh : Level::kLow, start_of(bit + 1)};
+  if (c.bits == 0) return {Level::kReleased, c.end};
+  const SimDuration length = c.end - c.begin;
+  const auto start_of = [&](std::int64_t bit) { return c.begin + length * bit / c.bits; };
+  std::int64_t bit = (t - c.begin) / (length / c.bits + SimDuration{1});
+  while (start_of(bit + 1) <= t) ++bit;
+  return {(c.levels >> bit & 1) != 0 ? Level::kHigh : Level::kLow, start_of(bit + 1)};
 }
 
 // --- WirePair: talking ---------------------------------------------------------------------------
@@ -79,7 +110,7 @@ SimTime WirePair::send(Talker& talker, std::span<const std::uint8_t> bytes,
   if (begin(talker, settings)) counters_.garbled += bytes.size();
   for (const std::uint8_t byte : bytes) {
     if (faults == nullptr) {
-      talker.say({byte}, Talker::Character::Kind::kByte, settings, loop_.now());
+      talker.say(byte, Talker::Content::kByte, settings, loop_.now());
     } else {
       utter(talker, byte, settings, *faults);
     }
@@ -141,31 +172,30 @@ SimTime WirePair::queued(Talker& talker) {
 
 void WirePair::utter(Talker& talker, std::uint8_t byte, const LineSettings& settings,
                      const LineFaults& faults) {
-  using Kind = Talker::Character::Kind;
+  using Content = Talker::Content;
   if (happens(faults.delayed)) {
     ++counters_.fault_delayed;
     talker.pause(faults.delay, loop_.now());
   }
   if (happens(faults.lost)) {
     ++counters_.fault_lost;
-    talker.say({byte}, Kind::kLost, settings, loop_.now());
+    talker.say(byte, Content::kLost, settings, loop_.now());
     return;
   }
-  CharacterBits bits{byte};
+  Content content = Content::kByte;
   if (happens(faults.flipped)) {
     ++counters_.fault_flipped;
     const bool parity = settings.parity != Parity::kNone;
     const auto bit = chance_.bits() % static_cast<unsigned>(settings.data_bits + (parity ? 1 : 0));
-    // Beyond the data bits the shift leaves nothing: the parity bit itself.
-    if (bit < static_cast<unsigned>(settings.data_bits)) {
-      bits.byte = static_cast<std::uint8_t>(byte ^ 1U << bit);
+    if (bit < static_cast<unsigned>(settings.data_bits)) {  // else the parity bit itself
+      byte = static_cast<std::uint8_t>(byte ^ 1U << bit);
     }
-    bits.wrong_parity = parity;
+    if (parity) content = Content::kWrongParity;
   }
-  talker.say(bits, Kind::kByte, settings, loop_.now());
+  talker.say(byte, content, settings, loop_.now());
   if (happens(faults.duplicated)) {
     ++counters_.fault_duplicated;
-    talker.say(bits, Kind::kByte, settings, loop_.now());
+    talker.say(byte, content, settings, loop_.now());
   }
 }
 
@@ -198,57 +228,69 @@ void WirePair::begin_anew(Listener& listener) {
 void WirePair::run() {
   const SimTime now = loop_.now();
   if (sampling_ > 0) log_until(now);
-  for (std::size_t i = 0; i < active_.size(); ++i) {  // a callback may add one
-    Talker& talker = *active_[i];
-    while (!talker.queue_.empty() && talker.queue_.front().end <= now) {
-      const Talker::Character character = talker.queue_.front();
-      talker.queue_.pop_front();
-      hear_directly(talker, character);
-    }
-  }
-  std::erase_if(active_, [](Talker* talker) {
-    if (talker->queue_.empty()) talker->listed_ = false;
-    return talker->queue_.empty();
-  });
-  for (std::size_t i = 0; i < listeners_.size(); ++i) hear_untimed(*listeners_[i]);
+  hear_directly();
   if (sampling_ > 0) hear_samples();
   if (now >= next_noise_) {
     draw_next_noise();
-    if (!somebody_talks()) {
-      ++counters_.noise;
-      begin(noise_, noise_settings_);
-      noise_.say({static_cast<std::uint8_t>(chance_.bits() >> 56)}, Talker::Character::Kind::kByte,
-                 noise_settings_, now);
-      queued(noise_);
-    }
+    if (!somebody_talks()) make_noise();
   }
   schedule();
 }
 
+void WirePair::hear_directly() {
+  using Content = Talker::Content;
+  bool fell_silent = false;
+  for (std::size_t i = 0; i < active_.size(); ++i) {  // who hears may talk, and become active
+    Talker& talker = *active_[i];
+    while (!talker.queue_.empty() && talker.queue_.front().end <= loop_.now()) {
+      const Talker::Character character = talker.queue_.front();
+      talker.queue_.pop();
+      if (character.content == Content::kLost || character.content == Content::kBreak) continue;
+      if (character.begin < character.end) {
+        hear_directly(talker, character);
+      } else {
+        untimed_.push_back(character);
+      }
+    }
+    if (!untimed_.empty()) hear_untimed(talker, std::exchange(untimed_, {}));
+    fell_silent = fell_silent || talker.queue_.empty();
+  }
+  if (!fell_silent) return;
+  std::erase_if(active_, [](Talker* talker) {
+    talker->listed_ = !talker->queue_.empty();
+    return !talker->listed_;
+  });
+}
+
 void WirePair::hear_directly(const Talker& talker, const Talker::Character& c) {
-  if (c.kind != Talker::Character::Kind::kByte) return;
-  const bool untimed = c.begin == c.end;
-  if (untimed && (talker.cut_ || stuck_ != LineStuck::kNo)) return;
+  const WireByte byte = as_said(c, talker.id_);
   for (std::size_t i = 0; i < listeners_.size(); ++i) {
     Listener& listener = *listeners_[i];
-    if (!listener.on_ || listener.own_ == &talker || c.end > listener.direct_until_) continue;
-    if (untimed && !understand_each_other(c.settings, listener.settings_)) {
-      listener.untimed_from_ = c.settings;
-      listener.untimed_.push_back(c.bits.byte);
-    } else {
-      listener.hear_({c.bits.byte, c.begin, c.end, c.bits.wrong_parity, talker.id_});
-    }
+    const bool hears = listener.on_ && listener.own_ != &talker && c.end <= listener.direct_until_;
+    if (hears) listener.hear_(byte);
   }
 }
 
-// An ideal line leaves no time in which to sample: a burst is heard as it would be at real speed,
-// all at once.
-void WirePair::hear_untimed(Listener& listener) {
-  if (listener.untimed_.empty()) return;
-  const std::vector<std::uint8_t> said = std::exchange(listener.untimed_, {});
-  for (WireByte byte : resample(said, listener.untimed_from_, listener.settings_)) {
-    byte.begin = byte.end = loop_.now();
-    listener.hear_(byte);
+// An ideal line leaves no time in which to sample. Who is set otherwise hears what a burst would be
+// at real speed, all at once.
+void WirePair::hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said) {
+  if (talker.cut_ || stuck_ != LineStuck::kNo) return;
+  std::vector<std::uint8_t> bytes;
+  for (const Talker::Character& character : said) bytes.push_back(character.byte);
+  for (std::size_t i = 0; i < listeners_.size(); ++i) {
+    Listener& listener = *listeners_[i];
+    if (!listener.on_ || listener.own_ == &talker) continue;
+    if (understand_each_other(talker.sender_, listener.settings_)) {
+      for (const Talker::Character& character : said) {
+        if (listener.on_) listener.hear_(as_said(character, talker.id_));
+      }
+      continue;
+    }
+    for (WireByte byte : resample(bytes, talker.sender_, listener.settings_)) {
+      byte.begin = byte.end = loop_.now();
+      byte.talker = talker.id_;
+      if (listener.on_) listener.hear_(byte);
+    }
   }
 }
 
@@ -401,7 +443,15 @@ void WirePair::cut(Talker& talker, bool is_cut) {
   talker.cut_ = is_cut;
 }
 
-void WirePair::make_noise(double per_s, const LineSettings& settings) {
+void WirePair::make_noise() {
+  ++counters_.noise;
+  begin(noise_, noise_settings_);
+  noise_.say(static_cast<std::uint8_t>(chance_.bits() >> 56), Talker::Content::kByte,
+             noise_settings_, loop_.now());
+  queued(noise_);
+}
+
+void WirePair::set_noise(double per_s, const LineSettings& settings) {
   noise_settings_ = settings;
   if (per_s == noise_per_s_) return;
   noise_per_s_ = per_s;

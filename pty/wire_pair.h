@@ -13,7 +13,8 @@
 // wires high. A transceiver's receiver is off while its driver is on.
 #pragma once
 
-#include <deque>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -47,14 +48,32 @@ class Talker {
   /// Characters that may wait to leave.
   static constexpr std::size_t kMaxQueued = 65536;
 
-  struct Character {
-    enum class Kind : std::uint8_t { kByte, kLost, kBreak };
+  enum class Content : std::uint8_t { kByte, kWrongParity, kLost, kBreak };
 
+  struct Character {
     SimTime begin;
     SimTime end;
-    LineSettings settings;
-    CharacterBits bits;
-    Kind kind = Kind::kByte;
+    std::uint16_t levels;  // of each bit time
+    std::uint8_t bits;     // how many; 0: the wires are left alone
+    std::uint8_t byte;
+    Content content;
+  };
+
+  /// First in, first out; a deque would allocate as often as it wraps.
+  class Queue {
+   public:
+    bool empty() const { return head_ == characters_.size(); }
+    std::size_t size() const { return characters_.size() - head_; }
+    auto begin() const { return characters_.begin() + static_cast<std::ptrdiff_t>(head_); }
+    auto end() const { return characters_.end(); }
+    const Character& front() const { return characters_[head_]; }
+    Character& push();
+    void pop();
+    void clear();
+
+   private:
+    std::vector<Character> characters_;  // those before head_ are gone
+    std::size_t head_ = 0;
   };
 
   /// What it does with the wires from an instant on, and until when.
@@ -68,7 +87,7 @@ class Talker {
   Talker(int id, std::uint64_t& dropped) : id_(id), dropped_(dropped) {}
 
   int id() const { return id_; }
-  const std::deque<Character>& queue() const { return queue_; }
+  const Queue& queue() const { return queue_; }
   /// When the last bit is out; in the past if it does not talk.
   SimTime idle() const { return idle_; }
   Drive drive(SimTime t) const;
@@ -76,14 +95,14 @@ class Talker {
  private:
   friend class WirePair;
 
-  void say(CharacterBits bits, Character::Kind kind, const LineSettings& settings, SimTime now);
+  void say(std::uint8_t byte, Content content, const LineSettings& settings, SimTime now);
   void hold_low(SimDuration duration, const LineSettings& settings, SimTime now);
   void pause(SimDuration duration, SimTime now);
   void let_go(SimTime now);
 
   int id_;
   std::uint64_t& dropped_;
-  std::deque<Character> queue_;
+  Queue queue_;
   LineSettings sender_;
   SimTime burst_start_ = kSimStart;
   std::int64_t burst_count_ = 0;  // characters of the burst so far
@@ -114,8 +133,6 @@ class Listener {
   bool sampling_ = false;
   SimTime direct_until_ = kNever;  // characters that end by then are heard without sampling
   Uart uart_;
-  std::vector<std::uint8_t> untimed_;  // of an ideal line, said at other settings
-  LineSettings untimed_from_;
 };
 
 class WirePair {
@@ -145,12 +162,13 @@ class WirePair {
   void hold(LineStuck level);
   /// A talker that is cut goes on talking, and nobody hears it.
   void cut(Talker& talker, bool is_cut);
-  void make_noise(double per_s, const LineSettings& settings);
+  void set_noise(double per_s, const LineSettings& settings);
 
  private:
   void run();
+  void hear_directly();
   void hear_directly(const Talker& talker, const Talker::Character& character);
-  void hear_untimed(Listener& listener);
+  void hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said);
   void hear_samples();
   void settle();
   void schedule();
@@ -168,6 +186,7 @@ class WirePair {
   SimTime in_flight_since() const;
   void log_until(SimTime t);
   void look_again();
+  void make_noise();
   void draw_next_noise();
 
   EventLoop& loop_;
@@ -176,7 +195,8 @@ class WirePair {
   std::vector<Talker*> talkers_;
   std::vector<Talker*> active_;  // those with characters in their queues
   std::vector<Listener*> listeners_;
-  std::uint64_t noise_dropped_ = 0;  // never: it is made while nobody talks
+  std::vector<Talker::Character> untimed_;  // of an ideal line, heard at this instant
+  std::uint64_t noise_dropped_ = 0;         // never: it is made while nobody talks
   Talker noise_{kNoTalker, noise_dropped_};
   double noise_per_s_ = 0;
   LineSettings noise_settings_;
