@@ -343,12 +343,12 @@ TEST_F(DeviceTest, ANameIsWrittenFourBytesAtTheOffsetInTheUnitField) {
 }
 
 TEST_F(DeviceTest, AWriteWithoutEffectIsNotedOnce) {
-  EXPECT_EQ(set(1, 0x30, 99), "error -1");
+  EXPECT_EQ(set(1, 0x57, 99), "error -1");
   EXPECT_TRUE(notes_.empty()) << "nothing was stored";
-  EXPECT_EQ(set(1, 0x30, 1), "ok");
-  EXPECT_EQ(set(2, 0x30, 3), "ok");
+  EXPECT_EQ(set(1, 0x57, 1), "ok");
+  EXPECT_EQ(set(2, 0x57, 3), "ok");
   EXPECT_EQ(set(1, 0x10, 4), "ok");
-  EXPECT_EQ(notes_, (std::vector<std::string>{"Encoder (30) is stored, but nothing acts on it"}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{"CanId (57) is stored, but nothing acts on it"}));
 }
 
 TEST_F(DeviceTest, ChannelsKeepTheirOwnSettings) {
