@@ -60,6 +60,7 @@ void EncoderCounter::configure(const ChannelSettings& settings, const Scaling& s
   type_ = type;
   usage_ = static_cast<EncoderUsage>(settings.encoder_usage.value);
   period_s_ = seconds(scaling.pwm_period);
+  pattern_ = type_ == EncoderType::kHallUv ? kHallUvEdges : 1;
   switch (type_) {
     case EncoderType::kNone:
     case EncoderType::kHallUvw:
@@ -87,12 +88,14 @@ void EncoderCounter::update(std::int64_t edges, double electrical_turns, int dir
   edges_ = edges;
   if (passed == 0) return;
   count_ += type_ == EncoderType::kSinglePulse ? direction * std::abs(passed) : passed;
+  if (std::abs(count_ - edge_count_) < pattern_) return;
+  edge_count_ += (count_ - edge_count_) / pattern_ * pattern_;
   edge_at_ = now_;
 }
 
 void EncoderCounter::restart_speed() {
   edge_at_ = base_at_ = now_;
-  base_count_ = count_;
+  base_count_ = edge_count_ = count_;
   speed_ = 0;
 }
 
@@ -100,16 +103,16 @@ void EncoderCounter::millisecond() {
   if (!measures_speed()) return;
   const double between_s = static_cast<double>(edge_at_ - base_at_) * period_s_;
   const double waited_s = static_cast<double>(now_ - edge_at_) * period_s_;
-  const std::int64_t counts = count_ - base_count_;
+  const std::int64_t counts = edge_count_ - base_count_;
   const bool enough = std::abs(counts) >= kEnoughEdges || between_s + waited_s >= kLongestS;
   if (between_s >= kShortestS && enough) {
     speed_ = static_cast<double>(counts) / counts_per_turn_ / between_s;
-    base_count_ = count_;
+    base_count_ = edge_count_;
     base_at_ = edge_at_;
   }
   // No edge for so long: slower than one count in that time.
   if (waited_s > kLongestS) {
-    const double most = 1 / (counts_per_turn_ * waited_s);
+    const double most = static_cast<double>(pattern_) / (counts_per_turn_ * waited_s);
     speed_ = std::clamp(speed_, -most, most);
     if (waited_s > 50 * kLongestS) speed_ = 0;
   }

@@ -72,10 +72,12 @@ class EncoderCounter {
   bool fresh_ = true;       // the next reading only sets edges_
   std::int64_t count_ = 0;
 
-  // Speed: counts between two edges over the time between them, in PWM periods.
+  // Speed: counts between two edges over the time between them, in PWM periods. Of edges that lie
+  // unevenly only each `pattern_`-th is taken.
+  std::int64_t pattern_ = 1;
   std::int64_t now_ = 0;
   std::int64_t edge_at_ = 0, base_at_ = 0;
-  std::int64_t base_count_ = 0;
+  std::int64_t edge_count_ = 0, base_count_ = 0;
   double speed_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kCommandLag = 0.1;     // of torque control: the command follows the speed in 10 ms
 constexpr double kMostTorqueMnm = 2e7;  // 100 times that still fits the telegram's 32 bits
 constexpr double kForceHysteresis = 0.95;  // FOC falls back to Force at 5 % below SpeedChange
-constexpr double kEncoderLag = 0.02;       // the encoder corrects the estimated speed in 50 ms
+constexpr double kEncoderLag = 0.002;      // the encoder corrects the estimated speed in 0.5 s
 constexpr double kStalledShare = 0.2;  // of the command: slower than that, an encoder says stall
 constexpr std::int32_t kRestartPositionDelayMs = 100;
 constexpr double kTurnApproachRpm = 10;

@@ -95,7 +95,9 @@ class MotorChannel {
   std::uint32_t torque() const;  // 0.001 Ncm, labelled Ncm: TorqueFactor * Current / 10 (4.2.3)
   std::int32_t target_torque() const;  // 0.001 Ncm
 
-  const LoopState& internals() const { return now_; }
+  /// The loops' own numbers, for recordings.
+  using Internals = LoopState;
+  const Internals& internals() const { return now_; }
   const Scaling& scaling() const { return scaling_; }
 
  private:
