@@ -22,14 +22,24 @@ constexpr auto kHandlers = std::to_array<protocol::Binding<Device::Handler>>({
     {0x02, &Device::motor_state},
     {0x03, &Device::store_parameters},
     {0x04, &Device::clear_parameters},
+    {0x05, &Device::configure_snapshot},
+    {0x06, &Device::snapshot_data},
+    {0x07, &Device::configure_stream},
+    {0x08, &Device::do_turn},
     {0x09, &Device::get_one},
     {0x0A, &Device::set_one},
     {0x0B, &Device::get_many},
     {0x0C, &Device::set_many},
+    {0x0D, &Device::do_linear_motion},
+    {0x0E, &Device::absolute_position},
+    {0x0F, &Device::abort_linear_motion},
     {0x10, &Device::start_torque_control},
     {0x11, &Device::control_method},
     {0x12, &Device::set_control_method},
+    {0x13, &Device::encoder_counter},
     {0x14, &Device::version},
+    {0x21, &Device::set_demo_state},
+    {0x22, &Device::demo_state},
     {0x23, &Device::extended_state},
 });
 static_assert(protocol::covers(kTable.commands, kHandlers),
@@ -42,7 +52,8 @@ constexpr std::int64_t error_code(Outcome outcome) {
 }  // namespace
 
 Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatileMemory& memory,
-               DeviceOptions options, WireListener listener, NoteListener notes)
+               DeviceOptions options, WireListener listener, NoteListener notes,
+               SerialPort* stream_port)
     : loop_(loop),
       port_(port),
       firmware_(firmware),
@@ -57,6 +68,16 @@ Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatil
         decoder_.reset();
       })) {
   parameters_.restore();
+  if (stream_port == nullptr) return;
+  stream_.emplace(loop, *stream_port);
+  firmware_.stream_scope().set_sink(
+      [this](std::uint16_t timestamp, std::span<const std::int16_t> values) {
+        stream_->send(timestamp, values);
+      });
+}
+
+Device::~Device() {
+  firmware_.stream_scope().set_sink(nullptr);
 }
 
 // --- Listening -----------------------------------------------------------------------------------
@@ -137,6 +158,7 @@ void Device::answer_request() {
          outcome == Outcome::kRefused ? "Error refused" : "Error not ready");
     return;
   }
+  note_once(noted_commands_, request.row->code, request.row->name, request.row->support);
   reply.pad(request.row->reply);
   send(encode_reply(*request.row, reply),
        listener_ ? fmt::format("{} {}", request.row->name, describe(request.row->reply, reply))
@@ -157,11 +179,11 @@ void Device::listen_again() {
   }
 }
 
-void Device::note_if_stored(std::uint8_t id) {
-  const ParameterRow* row = protocol::find(kTable.parameters, id);
-  if (!notes_ || noted_[id] || row == nullptr || row->support != Support::kStored) return;
-  noted_.set(id);
-  notes_(fmt::format("{} ({:02X}) is stored, but nothing acts on it", row->name, row->id));
+void Device::note_once(std::bitset<256>& noted, std::uint16_t id, std::string_view name,
+                       Support support) {
+  if (!notes_ || support != Support::kStored || noted[id]) return;
+  noted.set(id);
+  notes_(fmt::format("{} ({:02X}) is stored, but nothing acts on it", name, id));
 }
 
 void Device::tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes,
@@ -253,6 +275,91 @@ Outcome Device::clear_parameters(const Values&, Values&) {
   return parameters_.clear() ? Outcome::kDone : Outcome::kRefused;
 }
 
+// --- Oscilloscopes -------------------------------------------------------------------------------
+
+Outcome Device::configure_snapshot(const Values& request, Values& reply) {
+  if (board(request[0]) == nullptr) return Outcome::kRefused;
+  reply.push(firmware_.snapshot_scope().arm({.motor = static_cast<std::size_t>(request[0]),
+                                             .selected = static_cast<std::uint32_t>(request[1]),
+                                             .trigger_on = static_cast<std::uint32_t>(request[2]),
+                                             .mode = static_cast<std::uint8_t>(request[3]),
+                                             .level = static_cast<std::int16_t>(request[4]),
+                                             .spread = static_cast<std::uint8_t>(request[5])}));
+  return Outcome::kDone;
+}
+
+Outcome Device::snapshot_data(const Values&, Values& reply) {
+  std::array<std::int16_t, SnapshotScope::kBlock> block{};
+  const Outcome outcome = firmware_.snapshot_scope().next_block(block);
+  if (outcome == Outcome::kDone) {
+    for (const std::int16_t value : block) reply.push(value);
+  }
+  return outcome;
+}
+
+Outcome Device::configure_stream(const Values& request, Values&) {
+  if (board(request[0]) == nullptr) return Outcome::kRefused;
+  StreamScope& scope = firmware_.stream_scope();
+  if (request[1] == 0) {
+    scope.disable();
+    return Outcome::kDone;
+  }
+  if (!stream_ && notes_) notes_("ConfigureHsDSO (07) streams on a second line that is not wired");
+  return scope.enable(static_cast<std::size_t>(request[0]), static_cast<std::uint32_t>(request[2]),
+                      static_cast<std::uint8_t>(request[3]));
+}
+
+// --- Motion --------------------------------------------------------------------------------------
+
+Outcome Device::do_turn(const Values& request, Values&) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  return board->do_turn(static_cast<std::int32_t>(request[1]),
+                        static_cast<std::int32_t>(request[2]));
+}
+
+Outcome Device::do_linear_motion(const Values& request, Values& reply) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  const bool taken = board->do_linear_motion(static_cast<std::uint32_t>(request[1]),
+                                             static_cast<std::int32_t>(request[2]));
+  reply.push(taken ? 0 : kInvalidParameter);
+  return Outcome::kDone;
+}
+
+Outcome Device::absolute_position(const Values& request, Values& reply) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  reply.push(board->absolute_position());
+  return Outcome::kDone;
+}
+
+Outcome Device::abort_linear_motion(const Values& request, Values&) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  board->abort_linear_motion();
+  return Outcome::kDone;
+}
+
+Outcome Device::encoder_counter(const Values& request, Values& reply) {
+  PowerBoard* board = this->board(request[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  reply.push(board->encoder_count());
+  return Outcome::kDone;
+}
+
+// --- The system ----------------------------------------------------------------------------------
+
+Outcome Device::set_demo_state(const Values& request, Values&) {
+  firmware_.set_demo_state(static_cast<std::uint8_t>(request[0]));
+  return Outcome::kDone;
+}
+
+Outcome Device::demo_state(const Values&, Values& reply) {
+  reply.push(firmware_.demo_state());
+  return Outcome::kDone;
+}
+
 Outcome Device::version(const Values&, Values& reply) {
   reply = {kIdentity.version_major, kIdentity.version_minor};
   return Outcome::kDone;
@@ -269,7 +376,10 @@ Outcome Device::get_one(const Values& request, Values& reply) {
 
 Outcome Device::write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value) {
   const Outcome outcome = parameters_.write(motor_nr, id, value);
-  if (outcome == Outcome::kDone) note_if_stored(id);
+  if (outcome == Outcome::kDone) {
+    const ParameterRow& row = *protocol::find(kTable.parameters, id);
+    note_once(noted_parameters_, row.id, row.name, row.support);
+  }
   return outcome;
 }
 

@@ -13,6 +13,7 @@
 #include "core/event_loop.h"
 #include "devices/serial_port.h"
 #include "devices/toshiba_mcu/codec.h"
+#include "devices/toshiba_mcu/high_speed_stream.h"
 #include "devices/toshiba_mcu/parameters.h"
 #include "devices/wire_log.h"
 #include "firmware_models/toshiba_mcu/firmware.h"
@@ -30,13 +31,21 @@ struct DeviceOptions {
 
 class Device final : public SerialReceiver {
  public:
-  /// Begins as after a reset: with the settings that `memory` holds.
+  /// Begins as after a reset: with the settings that `memory` holds. `stream_port` is the second
+  /// serial line, 5 Mbit/s, on which ConfigureHsDSO streams; with none the stream leaves on pins
+  /// where nobody listens.
   Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatileMemory& memory,
-         DeviceOptions options, WireListener listener = nullptr, NoteListener notes = nullptr);
+         DeviceOptions options, WireListener listener = nullptr, NoteListener notes = nullptr,
+         SerialPort* stream_port = nullptr);
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() override;
 
   void receive(std::uint8_t byte) override;
   const WireCounters& counters() const { return counters_; }
   Parameters& parameters() { return parameters_; }
+  /// What the second line carried; null without one.
+  const HighSpeedStream* stream() const { return stream_ ? &*stream_ : nullptr; }
 
   /// A handler reads the request's values and appends the reply's.
   using Handler = Outcome (Device::*)(const protocol::Values& request, protocol::Values& reply);
@@ -55,6 +64,16 @@ class Device final : public SerialReceiver {
   Outcome control_method(const protocol::Values& request, protocol::Values& reply);
   Outcome version(const protocol::Values& request, protocol::Values& reply);
   Outcome extended_state(const protocol::Values& request, protocol::Values& reply);
+  Outcome configure_snapshot(const protocol::Values& request, protocol::Values& reply);
+  Outcome snapshot_data(const protocol::Values& request, protocol::Values& reply);
+  Outcome configure_stream(const protocol::Values& request, protocol::Values& reply);
+  Outcome do_turn(const protocol::Values& request, protocol::Values& reply);
+  Outcome do_linear_motion(const protocol::Values& request, protocol::Values& reply);
+  Outcome absolute_position(const protocol::Values& request, protocol::Values& reply);
+  Outcome abort_linear_motion(const protocol::Values& request, protocol::Values& reply);
+  Outcome encoder_counter(const protocol::Values& request, protocol::Values& reply);
+  Outcome set_demo_state(const protocol::Values& request, protocol::Values& reply);
+  Outcome demo_state(const protocol::Values& request, protocol::Values& reply);
 
  private:
   /// Bytes that lenient mode keeps while busy; a hundred of the longest requests.
@@ -67,7 +86,7 @@ class Device final : public SerialReceiver {
   void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
   void listen_again();
   Outcome write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value);
-  void note_if_stored(std::uint8_t id);
+  void note_once(std::bitset<256>& noted, std::uint16_t id, std::string_view name, Support support);
   void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
   PowerBoard* board(std::int64_t motor_nr);
 
@@ -78,7 +97,9 @@ class Device final : public SerialReceiver {
   DeviceOptions options_;
   WireListener listener_;
   NoteListener notes_;
-  std::bitset<256> noted_;  // parameter ids
+  std::optional<HighSpeedStream> stream_;
+  std::bitset<256> noted_parameters_;
+  std::bitset<256> noted_commands_;
   WireCounters counters_;
 
   Decoder decoder_{Direction::kRequest};

@@ -47,6 +47,10 @@ constexpr ReadChannel kDcLinkVoltage = [](PowerBoard& b) {
 constexpr ReadChannel kMotorStage = [](PowerBoard& b) {
   return static_cast<std::int32_t>(b.channel().stage());
 };
+constexpr ReadSystem kSystemLoad = [](Firmware& f) -> std::int32_t {
+  return f.system_load_percent();
+};
+constexpr ReadChannel kTurnNumber = [](PowerBoard& b) { return b.turn_number(); };
 constexpr WriteChannel kSetTorque = [](PowerBoard& b, std::int32_t mnm) { b.set_torque_mnm(mnm); };
 constexpr WriteChannel kSetSpeed = [](PowerBoard& b, std::int32_t rpm) { b.set_speed_rpm(rpm); };
 
@@ -116,11 +120,12 @@ constexpr auto kBindings = std::to_array<Binding<Target>>({
     {0x98, kPowerBoardName},
     {0xB0, kConstant<kVersionWord>},
     {0xB1, kResetStatus},
-    {0xB2, kConstant<kIdentity.system_load_percent>},
+    {0xB2, kSystemLoad},
     {0xE0, kTemperature},
     {0xE1, kErrorState},
     {0xE2, kDcLinkVoltage},
     {0xE3, kMotorStage},
+    {0xE4, kTurnNumber},
     {0xE5, kSetSpeed},
     {0xE6, kSetTorque},
 });

@@ -22,10 +22,14 @@ constexpr std::uint8_t kStart = 0x00;
 constexpr std::uint8_t kStop = 0x01;
 constexpr std::uint8_t kStore = 0x03;
 constexpr std::uint8_t kClear = 0x04;
+constexpr std::uint8_t kArmScope = 0x05;
+constexpr std::uint8_t kScopeData = 0x06;
+constexpr std::uint8_t kDoTurn = 0x08;
 constexpr std::uint8_t kGetOne = 0x09;
 constexpr std::uint8_t kSetOne = 0x0A;
 constexpr std::uint8_t kGetMany = 0x0B;
 constexpr std::uint8_t kSetMany = 0x0C;
+constexpr std::uint8_t kDoLinearMotion = 0x0D;
 constexpr std::uint8_t kStartTorque = 0x10;
 constexpr std::uint8_t kSetMethod = 0x12;
 constexpr std::uint8_t kGetVersion = 0x14;
@@ -36,7 +40,13 @@ constexpr std::uint8_t kSpeedChangeId = 0x17;
 constexpr std::uint8_t kSpeedId = 0xE5;
 constexpr std::uint8_t kTorqueId = 0xE6;
 
-constexpr std::array kActing = {kStart, kStop, kStore, kClear, kStartTorque, kSetMethod};
+constexpr std::array kActing = {kStart,  kStop,           kStore,       kClear,    kScopeData,
+                                kDoTurn, kDoLinearMotion, kStartTorque, kSetMethod};
+constexpr std::array kStarting = {kStart, kScopeData, kDoTurn, kDoLinearMotion, kStartTorque};
+
+// Sixteen signals: the oscilloscope is full after 20 PWM periods.
+constexpr std::int64_t kSixteenSignals = 0xFFFF;
+constexpr std::int64_t kSlowRpm = 30;
 constexpr std::array<std::uint8_t, 3> kUnknownChannels = {3, 7, 0xFE};
 constexpr std::size_t kTrailer = 2;  // CRC, end
 
@@ -58,8 +68,11 @@ struct Rest {
   Values values;
 };
 
-const std::array<Rest, 5>& rests() {
-  static const std::array<Rest, 5> rests = {{{kGetOne, {kPolePairsId}},
+const std::array<Rest, 8>& rests() {
+  static const std::array<Rest, 8> rests = {{{kArmScope, {kSixteenSignals}},
+                                             {kDoTurn, {1, kSlowRpm}},
+                                             {kDoLinearMotion, {1, kSlowRpm}},
+                                             {kGetOne, {kPolePairsId}},
                                              {kSetOne, {kSpeedId}},
                                              {kGetMany, {1, kPolePairsId}},
                                              {kSetMany, {1, kSpeedId}},
@@ -185,12 +198,16 @@ Effect WalkDialect::effect(const CommandRow& row) const {
 }
 
 std::vector<Bytes> WalkDialect::before(const CommandRow& row, std::uint8_t channel) const {
-  if (row.code != kStop) return {};
-  return {encode_request(command_row(kStart), {channel})};  // only a motor that runs can be stopped
+  const Bytes start = encode_request(command_row(kStart), {channel});
+  if (row.code == kStop) return {start};  // only a motor that runs can be stopped
+  if (row.code != kScopeData) return {};
+  protocol::Values arm = {channel, kSixteenSignals};
+  arm.pad(command_row(kArmScope).request);
+  return {encode_request(command_row(kArmScope), arm), start, probe()};
 }
 
 std::vector<Bytes> WalkDialect::after(const CommandRow& row, std::uint8_t channel) const {
-  if (row.code != kStart && row.code != kStartTorque) return {};
+  if (std::ranges::find(kStarting, row.code) == kStarting.end()) return {};
   return {encode_request(command_row(kStop), {channel})};
 }
 

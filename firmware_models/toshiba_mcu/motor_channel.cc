@@ -2,27 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace virtdrive::toshiba_mcu {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr int kZeroCurrentPeriods = 4;
 constexpr double kCommandLag = 0.1;     // of torque control: the command follows the speed in 10 ms
 constexpr double kMostTorqueMnm = 2e7;  // 100 times that still fits the telegram's 32 bits
 constexpr double kForceHysteresis = 0.95;  // FOC falls back to Force at 5 % below SpeedChange
-constexpr double kEmergencyVoltage =
-    30;  // the driver block's over-voltage pin, 24 V board; assumed
-constexpr double kDisconnectSpeed = 1000.0 / 32768;  // of full scale
-constexpr int kDisconnectPeriods = 1000;
-constexpr int kFirstStallCheckMs = 500;
-constexpr double kStallEmfRatio = 0.7;
-constexpr int kBadStallChecks = 2;
+constexpr double kEncoderLag = 0.002;      // the encoder corrects the estimated speed in 0.5 s
+constexpr double kStalledShare = 0.2;  // of the command: slower than that, an encoder says stall
 constexpr std::int32_t kRestartPositionDelayMs = 100;
-constexpr int kHotChecks = 5;
-constexpr double kTemperatureHysteresis = 5;
+constexpr double kTurnApproachRpm = 10;
+constexpr double kTurnApproachTurns = 1;
+constexpr double kLinearApproachShare = 0.05;
 
 double with_sign_of(double magnitude, double sign) {
   return std::copysign(magnitude, sign);
@@ -35,8 +28,11 @@ MotorChannel::MotorChannel(const ChannelSettings& settings) {
 }
 
 void MotorChannel::set_settings(const ChannelSettings& settings) {
+  const bool moved = settings.encoder_start_position != settings_.encoder_start_position;
   settings_ = settings;
   scaling_ = scale(settings_);
+  encoder_.configure(settings_, scaling_);
+  if (moved) position_origin_ = encoder_.total();
   output_.pwm_period = scaling_.pwm_period;
   output_.dead_time = std::chrono::nanoseconds(settings_.dead_time.value);
   // Without PWM periods nothing controls the currents any more.
@@ -52,7 +48,7 @@ Outcome MotorChannel::start() {
     rpm_before_stop_.reset();
     return Outcome::kDone;
   }
-  if ((errors_ & bit(Fault::kOverTemperature)) != 0) return Outcome::kNotReady;
+  if (is_set(Fault::kOverTemperature)) return Outcome::kNotReady;
   if (scaling_.pwm_period == SimDuration{}) return Outcome::kRefused;
   errors_ = 0;
   method_ = std::exchange(next_method_, Method::kSpeed);
@@ -75,7 +71,7 @@ void MotorChannel::set_method(Method method) {
   }
   if (method == method_) return;
   // Without a bump: the integral part goes on from the present reference, the ramp from the speed.
-  iq_integral_a_ = now_.iq_ref_a;
+  now_.iq_integral_a = now_.iq_ref_a;
   if (torque_controlled()) now_.command_hz = now_.omega_hz;
   method_ = method;
 }
@@ -88,6 +84,7 @@ std::int32_t MotorChannel::torque_limit_mnm() const {
 Outcome MotorChannel::stop() {
   if (stage_ == Stage::kStop && restart_in_polls_ == 0) return Outcome::kRefused;
   if (stage_ == Stage::kBrake) return Outcome::kDone;
+  motion_.abort();
   if (errors_ != 0) {
     errors_ &= bit(Fault::kOverTemperature);
     halt();
@@ -109,20 +106,113 @@ Outcome MotorChannel::stop() {
 }
 
 void MotorChannel::set_speed_rpm(std::int32_t rpm) {
+  motion_.abort();
   const auto limit = static_cast<std::int32_t>(scaling_.speed_limit_hz * 60 / scaling_.pole_pairs);
   rpm = std::clamp(rpm, -limit, limit);
-  const bool wrong =
-      (rpm < 0 && settings_.direction.value == 0) || (rpm > 0 && settings_.direction.value == 1);
-  if (wrong)
-    errors_ |= bit(Fault::kWrongDirection);
-  else
+  if (allows(rpm))
     errors_ &= ~bit(Fault::kWrongDirection);
-  set_target(wrong ? 0 : rpm);
+  else
+    errors_ |= bit(Fault::kWrongDirection);
+  set_target(allows(rpm) ? rpm : 0);
+}
+
+bool MotorChannel::allows(double direction) const {
+  const std::int32_t only = settings_.direction.value;  // 0 forward, 1 backward, 2 both
+  return !(direction < 0 && only == 0) && !(direction > 0 && only == 1);
 }
 
 void MotorChannel::set_target(std::int32_t rpm) {
   set_rpm_ = rpm;
   end_speed_reduction();
+}
+
+// --- Motion --------------------------------------------------------------------------------------
+
+Outcome MotorChannel::do_turn(std::int32_t turns, std::int32_t max_rpm) {
+  if (max_rpm == 0) return Outcome::kRefused;
+  if (!allows(turns)) {
+    errors_ |= bit(Fault::kWrongDirection);
+    return Outcome::kRefused;
+  }
+  const std::int64_t from = motion_.kind() == Motion::Kind::kTurn ? turn_target_ : turn_number();
+  const Outcome outcome = start();
+  if (outcome != Outcome::kDone) return outcome;
+  set_method(Method::kSpeed);
+  turn_target_ = from + turns;
+  motion_.begin(Motion::Kind::kTurn, turns,
+                {.max_rpm = static_cast<double>(max_rpm),
+                 .approach_rpm = kTurnApproachRpm,
+                 .approach_turns = kTurnApproachTurns});
+  step_motion();
+  return Outcome::kDone;
+}
+
+bool MotorChannel::do_linear_motion(std::uint32_t position, std::int32_t max_rpm) {
+  const auto low = static_cast<std::uint32_t>(settings_.encoder_min_position.value);
+  const auto high = static_cast<std::uint32_t>(settings_.encoder_max_position.value);
+  const std::int32_t approach_rpm = settings_.encoder_approach.value;
+  if (position < low || position > high || max_rpm == 0 || approach_rpm == 0) return false;
+  if (motion_.running()) return false;
+  position_target_ = position;
+  const double pulses = static_cast<double>(position) - absolute_position();
+  if (!allows(pulses)) {
+    errors_ |= bit(Fault::kWrongDirection);
+    return false;
+  }
+  if (start() != Outcome::kDone) return false;
+  set_method(Method::kSpeed);
+  const double turns = pulses * scaling_.gear_factor / encoder_.counts_per_turn();
+  motion_.begin(Motion::Kind::kLinear, turns,
+                {.max_rpm = static_cast<double>(max_rpm),
+                 .approach_rpm = static_cast<double>(approach_rpm),
+                 .approach_turns = kLinearApproachShare * std::abs(turns)});
+  step_motion();
+  return true;
+}
+
+void MotorChannel::abort_linear_motion() {
+  if (motion_.kind() != Motion::Kind::kLinear) return;
+  motion_.abort();
+  set_target(0);
+}
+
+std::uint32_t MotorChannel::absolute_position() const {
+  const double pulses =
+      static_cast<double>(encoder_.total() - position_origin_) / scaling_.gear_factor;
+  return static_cast<std::uint32_t>(settings_.encoder_start_position.value) +
+         static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(pulses)));
+}
+
+std::int32_t MotorChannel::turn_number() const {
+  const double turns =
+      encoder_.emulated() ? observer_.electrical_turns() / scaling_.pole_pairs : encoder_.turns();
+  return static_cast<std::int32_t>(turns);
+}
+
+double MotorChannel::turns_left() const {
+  if (motion_.kind() == Motion::Kind::kLinear) {
+    const double pulses = static_cast<double>(position_target_) - absolute_position();
+    return pulses * scaling_.gear_factor / encoder_.counts_per_turn();
+  }
+  const double turns =
+      encoder_.emulated() ? observer_.electrical_turns() / scaling_.pole_pairs : encoder_.turns();
+  return static_cast<double>(turn_target_) - turns;
+}
+
+void MotorChannel::step_motion() {
+  if (!motion_.running()) return;
+  const Motion::Kind kind = motion_.kind();
+  const double rpm =
+      motion_.speed_rpm(turns_left(), scaling_.acceleration_hz_per_s / scaling_.pole_pairs,
+                        scaling_.gear_factor / encoder_.counts_per_turn());
+  const double limit_hz = scaling_.speed_limit_hz;
+  motion_hz_ = std::clamp(rpm * scaling_.pole_pairs / 60, -limit_hz, limit_hz);
+  set_rpm_ = static_cast<std::int32_t>(std::lround(motion_hz_ * 60 / scaling_.pole_pairs));
+  if (motion_.running()) return;
+  if (kind == Motion::Kind::kTurn)
+    stop();
+  else
+    now_.command_hz = 0;  // held where it is
 }
 
 // --- What the host can read ----------------------------------------------------------------------
@@ -138,8 +228,8 @@ bool MotorChannel::energised() const {
 std::int32_t MotorChannel::actual_rpm() const {
   if (!energised()) return 0;
   double sum = 0;
-  for (const double hz : omega_history_hz_) sum += hz;
-  return static_cast<std::int32_t>(sum / static_cast<double>(omega_history_hz_.size()) * 60 /
+  for (const double hz : speed_history_hz_) sum += hz;
+  return static_cast<std::int32_t>(sum / static_cast<double>(speed_history_hz_.size()) * 60 /
                                    scaling_.pole_pairs);
 }
 
@@ -148,7 +238,7 @@ std::int32_t MotorChannel::target_rpm() const {
 }
 
 std::uint32_t MotorChannel::current_ma() const {
-  return energised() ? static_cast<std::uint32_t>(std::abs(iq_integral_a_) * 1000) : 0;
+  return energised() ? static_cast<std::uint32_t>(std::abs(now_.iq_integral_a) * 1000) : 0;
 }
 
 std::uint32_t MotorChannel::torque() const {
@@ -176,9 +266,9 @@ void MotorChannel::enter(Stage stage) {
     case Stage::kBootstrap:
       output_.mode = Bridge::kShort;
       output_.short_share = 1;
-      omega_history_hz_ = {};
-      iq_integral_a_ = 0;
-      now_.command_hz = now_.omega_hz = 0;
+      speed_history_hz_ = {};
+      encoder_offset_hz_ = 0;
+      encoder_.restart_speed();
       break;
     case Stage::kBrake:
       output_.mode = Bridge::kShort;
@@ -187,35 +277,31 @@ void MotorChannel::enter(Stage stage) {
       break;
     case Stage::kZeroCurrentMeasure:
       output_.mode = Bridge::kOff;
-      zero_periods_ = 0;
-      zero_sum_ = {};
+      currents_.begin_zero_current();
       break;
     case Stage::kInitPosition:
-      now_.theta_turns = 0;
-      sine_ = 0;
-      cosine_ = 1;
+      observer_.align(now_);
       break;
     case Stage::kForce:
       end_speed_reduction();
       if (from == Stage::kFoc) break;
-      iq_integral_a_ = with_sign_of(scaling_.iq_start_a, set_rpm_ < 0 ? -1 : 1);
+      now_.iq_integral_a = with_sign_of(scaling_.iq_start_a, set_rpm_ < 0 ? -1 : 1);
       break;
     case Stage::kFoc:
-      iq_integral_a_ = with_sign_of(scaling_.iq_start_a, now_.command_hz);
-      bad_stall_checks_ = 0;
-      good_emf_per_hz_ = 0;
+      now_.iq_integral_a = with_sign_of(scaling_.iq_start_a, now_.command_hz);
+      protections_.begin_foc();
       break;
   }
-  if (from == Stage::kZeroCurrentMeasure) d_integral_v_ = q_integral_v_ = 0;
 }
 
 // Nothing is measured or controlled any more; the angle may still be of use.
 void MotorChannel::forget_measurements() {
-  now_ = {.theta_turns = now_.theta_turns};
+  now_ = {.theta_turns = now_.theta_turns, .sine = now_.sine, .cosine = now_.cosine};
 }
 
 void MotorChannel::halt() {
   rpm_before_stop_.reset();
+  motion_.abort();
   end_speed_reduction();
   restart_in_polls_ = 0;
   angle_known_ = false;
@@ -225,6 +311,7 @@ void MotorChannel::halt() {
 void MotorChannel::trip(Fault fault) {
   errors_ |= bit(fault);
   rpm_before_stop_.reset();
+  motion_.abort();
   end_speed_reduction();
   angle_known_ = false;
   enter(Stage::kEmergency);
@@ -232,10 +319,14 @@ void MotorChannel::trip(Fault fault) {
 
 // --- 1 kHz and slower ----------------------------------------------------------------------------
 
-void MotorChannel::millisecond(const AdcReading& reading) {
+void MotorChannel::millisecond(const Reading& reading) {
   if (stage_ == Stage::kStop || stage_ == Stage::kEmergency) return;
   ++stage_ms_;
-  if (pwm_active()) watch_bus(reading);
+  encoder_.millisecond();
+  if (pwm_active()) {
+    if (const auto fault = Protections::bus(reading, settings_, scaling_)) trip(*fault);
+  }
+  step_motion();
   switch (stage_) {
     case Stage::kBootstrap:
       if (stage_ms_ >= settings_.bootstrap_delay.value) enter(Stage::kZeroCurrentMeasure);
@@ -245,7 +336,7 @@ void MotorChannel::millisecond(const AdcReading& reading) {
       break;
     case Stage::kInitPosition: {
       const double part = position_delay_ms_ > 0 ? double(stage_ms_) / position_delay_ms_ : 1;
-      iq_integral_a_ =
+      now_.iq_integral_a =
           with_sign_of(scaling_.iq_start_a * std::min(part, 1.0), set_rpm_ < 0 ? -1 : 1);
       if (stage_ms_ >= position_delay_ms_) enter(Stage::kForce);
       break;
@@ -264,12 +355,15 @@ void MotorChannel::millisecond(const AdcReading& reading) {
     default:
       break;
   }
-  omega_history_hz_[omega_index_] = now_.omega_hz;
-  omega_index_ = (omega_index_ + 1) % omega_history_hz_.size();
+  const double encoder_hz = encoder_.speed_turns_per_s() * scaling_.pole_pairs;
+  encoder_offset_hz_ += kEncoderLag * (encoder_hz - now_.omega_hz - encoder_offset_hz_);
+  speed_history_hz_[speed_index_] = encoder_.measures_speed() ? encoder_hz : now_.omega_hz;
+  speed_index_ = (speed_index_ + 1) % speed_history_hz_.size();
 }
 
 double MotorChannel::target_hz() const {
-  return reduced_target_hz_.value_or(set_rpm_ * scaling_.pole_pairs / 60);
+  if (reduced_target_hz_) return *reduced_target_hz_;
+  return motion_.running() ? motion_hz_ : set_rpm_ * scaling_.pole_pairs / 60;
 }
 
 void MotorChannel::ramp_command() {
@@ -298,15 +392,8 @@ void MotorChannel::end_speed_reduction() {
   errors_ &= ~bit(Fault::kSpeedReduction);
 }
 
-void MotorChannel::watch_bus(const AdcReading& reading) {
-  const double volts = reading.bus_counts * scaling_.bus_v_per_count;
-  const std::int32_t over = settings_.over_voltage.value;
-  const std::int32_t under = settings_.under_voltage.value;
-  if (over > 0 && volts > over) trip(Fault::kSoftwareOverVoltage);
-  if (under > 0 && volts < under) trip(Fault::kSoftwareUnderVoltage);
-}
-
-void MotorChannel::poll() {
+void MotorChannel::poll(const SpeedSignals& signals) {
+  follow_external_speed(signals);
   if (restart_in_polls_ > 0 && --restart_in_polls_ == 0) {
     position_delay_ms_ = kRestartPositionDelayMs;
     enter(Stage::kBootstrap);
@@ -321,133 +408,106 @@ void MotorChannel::poll() {
   watch_stall();
 }
 
+void MotorChannel::follow_external_speed(const SpeedSignals& signals) {
+  const auto method = static_cast<ExternalSpeed>(settings_.external_speed_control.value);
+  if (method == ExternalSpeed::kNone) {
+    external_on_ = false;
+    return;
+  }
+  const double limit_rpm = scaling_.speed_limit_hz * 60 / scaling_.pole_pairs;
+  const double rpm = wanted_share(method, signals) * limit_rpm;
+  const bool on = rpm != 0;
+  if (on) set_speed_rpm(static_cast<std::int32_t>(rpm));
+  if (on == external_on_) return;
+  external_on_ = on;
+  if (on)
+    start();
+  else
+    stop();
+}
+
 void MotorChannel::watch_stall() {
-  if (stage_ != Stage::kFoc || stage_ms_ < kFirstStallCheckMs || scaling_.stall_voltage_v <= 0) {
-    return;
-  }
-  const double sign = now_.omega_hz < 0 ? -1 : 1;
-  const double vqi = sign * q_integral_v_;
-  const double emf_per_hz = (vqi - scaling_.resistance_ohm * sign * now_.iq_ref_a) /
-                            std::max(std::abs(now_.omega_hz), 1e-3);
-  if (vqi >= scaling_.stall_voltage_v && emf_per_hz >= kStallEmfRatio * good_emf_per_hz_) {
-    good_emf_per_hz_ = emf_per_hz;
-    bad_stall_checks_ = 0;
-    errors_ &= ~bit(Fault::kStall);
-    return;
-  }
-  if (++bad_stall_checks_ < kBadStallChecks) return;
+  if (stage_ != Stage::kFoc) return;
+  using Check = Protections::StallCheck;
+  const double encoder_hz = encoder_.speed_turns_per_s() * scaling_.pole_pairs;
+  const Check check = encoder_.measures_speed()
+                          ? protections_.stall_by_encoder(std::abs(encoder_hz),
+                                                          kStalledShare * std::abs(now_.command_hz),
+                                                          scaling_, stage_ms_)
+                          : protections_.stall(now_, scaling_, stage_ms_);
+  if (check == Check::kGood) errors_ &= ~bit(Fault::kStall);
+  if (check != Check::kStalled) return;
   halt();
   errors_ |= bit(Fault::kStall);
   restart_in_polls_ = settings_.restart_mode.value == 1 ? 1 : 0;
 }
 
 void MotorChannel::temperature_check(double degc) {
-  const double limit = settings_.over_temperature.value;
-  if (degc >= limit) {
-    if (++hot_checks_ <= kHotChecks || (errors_ & bit(Fault::kOverTemperature)) != 0) return;
-    halt();
-    errors_ |= bit(Fault::kOverTemperature);
-  } else {
-    hot_checks_ = 0;
-    if (degc < limit - kTemperatureHysteresis) errors_ &= ~bit(Fault::kOverTemperature);
+  switch (protections_.temperature(degc, settings_)) {
+    case Protections::Heat::kTooHot:
+      if (is_set(Fault::kOverTemperature)) break;
+      halt();
+      errors_ |= bit(Fault::kOverTemperature);
+      break;
+    case Protections::Heat::kReleased:
+      errors_ &= ~bit(Fault::kOverTemperature);
+      break;
+    case Protections::Heat::kBetween:
+      break;
   }
 }
 
 // --- Each PWM period -----------------------------------------------------------------------------
 
-void MotorChannel::pwm_interrupt(const AdcReading& reading) {
+void MotorChannel::pwm_interrupt(const Reading& reading) {
+  encoder_.period();
+  read_encoder(reading.encoder_count);
+  if (const auto fault = Protections::pins(reading)) {
+    trip(*fault);
+    return;
+  }
   if (stage_ == Stage::kZeroCurrentMeasure) {
-    measure_zero_current(reading);
+    if (!currents_.zero_current(reading)) return;
+    now_.vd_integral_v = now_.vq_integral_v = 0;
+    enter(angle_known_ ? Stage::kForce : Stage::kInitPosition);
+    angle_known_ = false;
     return;
   }
   if (!energised()) return;
-  measure(reading);
-  if (protect(reading)) return;
-  advance_angle();
+  currents_.measure(reading, settings_, scaling_, now_);
+  if (const auto fault = protections_.currents(reading, now_, scaling_, stage_)) {
+    trip(*fault);
+    return;
+  }
+  observer_.advance(stage_, now_.command_hz, scaling_, now_);
   set_current_reference();
-  control_currents();
+  currents_.control(scaling_, now_);
+  output_.mode = Bridge::kDriven;
+  output_.duty = now_.duty;
 }
 
-void MotorChannel::measure_zero_current(const AdcReading& reading) {
-  for (std::size_t i = 0; i < 3; ++i) zero_sum_[i] += reading.current_counts[i];
-  if (++zero_periods_ < kZeroCurrentPeriods) return;
-  for (std::size_t i = 0; i < 3; ++i) {
-    zero_counts_[i] = static_cast<double>(zero_sum_[i]) / kZeroCurrentPeriods;
-  }
-  enter(angle_known_ ? Stage::kForce : Stage::kInitPosition);
-  angle_known_ = false;
-}
-
-void MotorChannel::measure(const AdcReading& reading) {
-  const double sign = settings_.sensor_direction.value == 1 ? -1 : 1;
-  const double gain = sign * scaling_.current_a_per_count;
-  const double a = gain * (reading.current_counts[0] - zero_counts_[0]);
-  const double b = gain * (reading.current_counts[1] - zero_counts_[1]);
-  const double c = gain * (reading.current_counts[2] - zero_counts_[2]);
-  const double alpha = (2 * a - b - c) / 3;
-  const double beta = (b - c) / std::numbers::sqrt3;
-  now_.id_a = cosine_ * alpha + sine_ * beta;
-  now_.iq_a = cosine_ * beta - sine_ * alpha;
-  now_.bus_v = reading.bus_counts * scaling_.bus_v_per_count;
-}
-
-bool MotorChannel::protect(const AdcReading& reading) {
-  const auto at_rail = [](int counts) { return counts <= 0 || counts >= kAdcMaximum; };
-  if (std::ranges::any_of(reading.current_counts, at_rail)) {
-    trip(Fault::kEmergency);
-  } else if (now_.bus_v > kEmergencyVoltage) {
-    trip(Fault::kOverVoltage);
-  } else if (scaling_.over_current_a > 0 && std::abs(now_.iq_a) > scaling_.over_current_a) {
-    trip(Fault::kSoftwareOverCurrent);
-  } else if (stage_ == Stage::kForce &&
-             std::abs(now_.command_hz) >= kDisconnectSpeed * scaling_.full_scale_hz) {
-    const double current = std::hypot(now_.id_a, now_.iq_a);
-    const bool missing = current < (scaling_.id_start_a + scaling_.iq_start_a) / 5;
-    disconnected_periods_ = missing ? disconnected_periods_ + 1 : 0;
-    if (disconnected_periods_ > kDisconnectPeriods) trip(Fault::kNoMotor);
-  } else {
-    disconnected_periods_ = 0;
-  }
-  return stage_ == Stage::kEmergency;
-}
-
-void MotorChannel::advance_angle() {
-  switch (stage_) {
-    case Stage::kForce:
-      now_.omega_hz = now_.command_hz;
-      break;
-    case Stage::kFoc: {
-      // The d-axis back-EMF is zero when the frame lies on the rotor, positive when it leads.
-      const double emf_d = now_.vd_v - scaling_.resistance_ohm * now_.id_a +
-                           kTwoPi * now_.omega_hz * scaling_.inductance_h * now_.iq_a;
-      const double estimate =
-          now_.command_hz - with_sign_of(scaling_.position_kp_hz_per_v, now_.command_hz) * emf_d;
-      // The register ends at full scale.
-      now_.omega_hz = std::clamp(estimate, -scaling_.full_scale_hz, scaling_.full_scale_hz);
-      break;
-    }
-    default:
-      now_.omega_hz = 0;
-      return;
-  }
-  now_.theta_turns += now_.omega_hz * 1e-9 * static_cast<double>(scaling_.pwm_period.count());
-  now_.theta_turns -= std::floor(now_.theta_turns);
-  sine_ = std::sin(kTwoPi * now_.theta_turns);
-  cosine_ = std::cos(kTwoPi * now_.theta_turns);
+void MotorChannel::read_encoder(std::int64_t edges) {
+  encoder_.update(edges, observer_.electrical_turns(), now_.command_hz < 0 ? -1 : 1);
 }
 
 void MotorChannel::set_current_reference() {
   now_.id_ref_a = 0;
-  if (stage_ != Stage::kFoc) {
-    if (stage_ == Stage::kForce && now_.command_hz != 0) {
-      iq_integral_a_ = with_sign_of(scaling_.iq_start_a, now_.command_hz);
-    }
-    now_.iq_ref_a = iq_integral_a_;
-  } else if (method_ == Method::kTorque) {
+  if (stage_ != Stage::kFoc)
+    hold_force_current();
+  else if (method_ == Method::kTorque)
     control_torque();
-  } else {
+  else
     control_speed();
+}
+
+void MotorChannel::hold_force_current() {
+  if (stage_ == Stage::kForce && now_.command_hz != 0) {
+    const double current = with_sign_of(scaling_.iq_start_a, now_.command_hz);
+    // A motion that turns back must not swing the rotor over: the vector stays where it is.
+    if (motion_.running() && current * now_.iq_integral_a < 0) observer_.turn_frame_over(now_);
+    now_.iq_integral_a = current;
   }
+  now_.iq_ref_a = now_.iq_integral_a;
 }
 
 // The torque asked for, lowered by the speed controller when the set speed is reached.
@@ -456,53 +516,24 @@ void MotorChannel::control_torque() {
   const double wanted =
       scaling_.torque_nm_per_a > 0 ? torque_mnm_ * 1e-3 / scaling_.torque_nm_per_a : 0;
   const double limit = std::min(wanted, scaling_.iq_limit_a);
-  const double error = sign * (target_hz() - now_.omega_hz);
+  const double error = sign * (target_hz() - measured_hz());
   const double integral =
-      std::clamp(sign * iq_integral_a_ + scaling_.speed_ki_a_per_hz * error, 0.0, limit);
-  iq_integral_a_ = sign * integral;
+      std::clamp(sign * now_.iq_integral_a + scaling_.speed_ki_a_per_hz * error, 0.0, limit);
+  now_.iq_integral_a = sign * integral;
   now_.iq_ref_a = sign * std::clamp(integral + scaling_.speed_kp_a_per_hz * error, 0.0, limit);
 }
 
 void MotorChannel::control_speed() {
   const double limit = scaling_.iq_limit_a;
-  const double error = now_.command_hz - now_.omega_hz;
-  iq_integral_a_ = std::clamp(iq_integral_a_ + scaling_.speed_ki_a_per_hz * error, -limit, limit);
-  now_.iq_ref_a = std::clamp(iq_integral_a_ + scaling_.speed_kp_a_per_hz * error, -limit, limit);
+  const double error = now_.command_hz - measured_hz();
+  double& integral = now_.iq_integral_a;
+  integral = std::clamp(integral + scaling_.speed_ki_a_per_hz * error, -limit, limit);
+  now_.iq_ref_a = std::clamp(integral + scaling_.speed_kp_a_per_hz * error, -limit, limit);
 }
 
-void MotorChannel::control_currents() {
-  const double error_d = now_.id_ref_a - now_.id_a;
-  const double error_q = now_.iq_ref_a - now_.iq_a;
-  d_integral_v_ += scaling_.id_ki * error_d;
-  q_integral_v_ += scaling_.iq_ki * error_q;
-  double vd = d_integral_v_ + scaling_.id_kp * error_d;
-  double vq = q_integral_v_ + scaling_.iq_kp * error_q;
-
-  // The space vector's circle; both integrators are calculated back from what is put out.
-  const double limit = now_.bus_v / std::numbers::sqrt3;
-  const double square = vd * vd + vq * vq;
-  if (square > limit * limit) {
-    const double share = limit / std::sqrt(square);
-    vd *= share;
-    vq *= share;
-    d_integral_v_ = vd - scaling_.id_kp * error_d;
-    q_integral_v_ = vq - scaling_.iq_kp * error_q;
-  }
-  now_.vd_v = vd;
-  now_.vq_v = vq;
-  modulate(cosine_ * vd - sine_ * vq, sine_ * vd + cosine_ * vq);
-}
-
-void MotorChannel::modulate(double v_alpha, double v_beta) {
-  const double scale = now_.bus_v > 0 ? 1 / now_.bus_v : 0;
-  const double half_beta = std::numbers::sqrt3 / 2 * v_beta;
-  const std::array<double, 3> phase = {v_alpha * scale, (-v_alpha / 2 + half_beta) * scale,
-                                       (-v_alpha / 2 - half_beta) * scale};
-  // Space-vector modulation: the zero-sequence that centres the three duties.
-  const auto [low, high] = std::ranges::minmax(phase);
-  const double centre = 0.5 - (low + high) / 2;
-  output_.mode = Bridge::kDriven;
-  for (std::size_t i = 0; i < 3; ++i) output_.duty[i] = std::clamp(phase[i] + centre, 0.0, 1.0);
+// The estimator is quick, an encoder is true.
+double MotorChannel::measured_hz() const {
+  return encoder_.measures_speed() ? now_.omega_hz + encoder_offset_hz_ : now_.omega_hz;
 }
 
 }  // namespace virtdrive::toshiba_mcu

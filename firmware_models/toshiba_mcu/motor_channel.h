@@ -1,12 +1,13 @@
-// The program of one motor channel: stages, field-oriented control without a sensor, protections.
+// The program of one motor channel: stages, and what happens in each.
 //
 //   Stop -> Bootstrap -> ZeroCurrentMeasure -> Initposition -> Force <-> FOC
 //    ^                                                           |
 //    +--- Brake / gentle ramp / Emergency <----------------------+
 //
 // The board calls it as the MCU's hardware would: pwm_interrupt() each PWM period while
-// pwm_active(), millisecond() each 1 kHz tick, poll() each 100 ms. It sees ADC counts and sets gate
-// states; it knows nothing of the plant.
+// pwm_active(), millisecond() each 1 kHz tick, poll() each 100 ms. It sees readings and sets gate
+// states; it knows nothing of the plant. Currents, angle, encoder, motion and protections each have
+// a file of their own; the channel puts them in order.
 //
 // Source: MCU Motor Studio protocol 3.10 for what a host sees; the maker's published firmware 1.x
 // for transitions, durations and control laws.
@@ -16,18 +17,20 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware_models/toshiba_mcu/current_control.h"
+#include "firmware_models/toshiba_mcu/encoder.h"
+#include "firmware_models/toshiba_mcu/external_speed.h"
+#include "firmware_models/toshiba_mcu/loop_state.h"
+#include "firmware_models/toshiba_mcu/motion.h"
+#include "firmware_models/toshiba_mcu/observer.h"
+#include "firmware_models/toshiba_mcu/protections.h"
+#include "firmware_models/toshiba_mcu/reading.h"
 #include "firmware_models/toshiba_mcu/scaling.h"
 #include "firmware_models/toshiba_mcu/settings.h"
 #include "firmware_models/toshiba_mcu/stage.h"
 #include "plant/inverter.h"
 
 namespace virtdrive::toshiba_mcu {
-
-/// What the MCU's converters read at the start of a PWM period.
-struct AdcReading {
-  std::array<int, 3> current_counts{kAdcMiddle, kAdcMiddle, kAdcMiddle};
-  int bus_counts = 0;
-};
 
 class MotorChannel {
  public:
@@ -46,17 +49,36 @@ class MotorChannel {
   /// start.
   void set_method(Method method);
   /// Clipped to the speed limit; against Direction: target 0 and a warning bit (5.1.66, bit 7).
+  /// Ends a motion.
   void set_speed_rpm(std::int32_t rpm);
   /// For torque control, 0 ... torque_limit_mnm(); the sign is the set speed's.
   void set_torque_mnm(std::int32_t torque_mnm) { torque_mnm_ = torque_mnm; }
   std::int32_t torque_limit_mnm() const;
 
+  // --- Motion (4.2.9, 4.2.14-4.2.16) ---
+  /// So many turns on from the last target, or from where the motor is; starts it and stops it
+  /// there. kRefused for max_rpm 0 and against Direction.
+  Outcome do_turn(std::int32_t turns, std::int32_t max_rpm);
+  /// To a position, which is then held; starts the motor if it is stopped. False for a position
+  /// outside of EncoderMinPos ... EncoderMaxPos, max_rpm or EncoderLMApproach 0, a motion under
+  /// way, a fault, against Direction.
+  bool do_linear_motion(std::uint32_t position, std::int32_t max_rpm);
+  /// The target speed becomes 0, the motor stays powered.
+  void abort_linear_motion();
+  /// In pulses at the gear's output, from EncoderStartPos on.
+  std::uint32_t absolute_position() const;
+  const EncoderCounter& encoder() const { return encoder_; }
+  /// Whole turns of the motor since the reset, by the encoder or by the drive's own angle.
+  std::int32_t turn_number() const;
+
   // --- What the hardware calls ---
-  void pwm_interrupt(const AdcReading& reading);
-  void millisecond(const AdcReading& reading);
-  void poll();
-  /// Once a second: over-temperature is 6 readings at the limit in a row, released 5 degC below.
+  void pwm_interrupt(const Reading& reading);
+  void millisecond(const Reading& reading);
+  void poll(const SpeedSignals& signals);
+  /// Once a second.
   void temperature_check(double degc);
+  /// The encoder's inputs while no PWM interrupts come.
+  void read_encoder(std::int64_t edges);
 
   /// True while PWM interrupts come: not in Stop, Brake and Emergency.
   bool pwm_active() const;
@@ -74,40 +96,35 @@ class MotorChannel {
   std::int32_t target_torque() const;  // 0.001 Ncm
 
   /// The loops' own numbers, for recordings.
-  struct Internals {
-    double id_a = 0, iq_a = 0, id_ref_a = 0, iq_ref_a = 0;
-    double vd_v = 0, vq_v = 0;
-    double theta_turns = 0;  // electrical, 0..1
-    double omega_hz = 0;     // estimated
-    double command_hz = 0;   // ramped
-    double bus_v = 0;
-  };
+  using Internals = LoopState;
   const Internals& internals() const { return now_; }
   const Scaling& scaling() const { return scaling_; }
 
  private:
   bool energised() const;  // a stage in which currents are controlled
-  double target_hz() const;
   bool torque_controlled() const { return method_ == Method::kTorque && stage_ == Stage::kFoc; }
+  bool is_set(Fault fault) const { return (errors_ & bit(fault)) != 0; }
   void enter(Stage stage);
   void trip(Fault fault);
   void halt();
   void forget_measurements();
-  void set_target(std::int32_t rpm);
 
-  void measure_zero_current(const AdcReading& reading);
-  void measure(const AdcReading& reading);
-  bool protect(const AdcReading& reading);
-  void advance_angle();
-  void set_current_reference();
-  void control_speed();
-  void control_torque();
-  void control_currents();
-  void modulate(double v_alpha, double v_beta);
+  double target_hz() const;
+  void set_target(std::int32_t rpm);
+  bool allows(double direction) const;
   void ramp_command();
   void reduce_speed();
   void end_speed_reduction();
-  void watch_bus(const AdcReading& reading);
+
+  double measured_hz() const;
+  void set_current_reference();
+  void hold_force_current();
+  void control_speed();
+  void control_torque();
+
+  double turns_left() const;
+  void step_motion();
+  void follow_external_speed(const SpeedSignals& signals);
   void watch_stall();
 
   ChannelSettings settings_;
@@ -115,7 +132,13 @@ class MotorChannel {
   Stage stage_ = Stage::kStop;
   std::uint32_t errors_ = 0;
   BridgeCommand output_;
-  Internals now_;
+  LoopState now_;
+
+  CurrentControl currents_;
+  Observer observer_;
+  EncoderCounter encoder_;
+  Protections protections_;
+  Motion motion_;
 
   Method method_ = Method::kSpeed;
   Method next_method_ = Method::kSpeed;
@@ -124,23 +147,18 @@ class MotorChannel {
   std::optional<std::int32_t> rpm_before_stop_;  // while a gentle stop is under way
   bool angle_known_ = false;                     // theta was kept by a gentle stop
   std::optional<double> reduced_target_hz_;      // while the load reduces the speed
+  double motion_hz_ = 0;                         // the target while a motion is under way
+  std::int64_t turn_target_ = 0;
+  std::uint32_t position_target_ = 0;
+  std::int64_t position_origin_ = 0;  // the count that EncoderStartPos stands for
+  bool external_on_ = false;
 
   std::int32_t stage_ms_ = 0;  // 1 kHz ticks since the stage was entered
   std::int32_t position_delay_ms_ = 0;
-  int zero_periods_ = 0;
-  std::array<int, 3> zero_sum_{};
-  std::array<double, 3> zero_counts_{};
-  double sine_ = 0, cosine_ = 1;
-  double d_integral_v_ = 0, q_integral_v_ = 0;
-  double iq_integral_a_ = 0;
-  std::array<double, 5> omega_history_hz_{};
-  std::size_t omega_index_ = 0;
-
-  int disconnected_periods_ = 0;
-  int hot_checks_ = 0;
-  int bad_stall_checks_ = 0;
-  double good_emf_per_hz_ = 0;
-  int restart_in_polls_ = 0;  // after a stall, with RestartMode 1
+  std::array<double, 5> speed_history_hz_{};
+  std::size_t speed_index_ = 0;
+  double encoder_offset_hz_ = 0;  // the encoder's speed less the estimator's, slowly
+  int restart_in_polls_ = 0;      // after a stall, with RestartMode 1
 };
 
 }  // namespace virtdrive::toshiba_mcu

@@ -1,6 +1,7 @@
 #include "firmware_models/toshiba_mcu/power_board.h"
 
 #include <fmt/format.h>
+#include <utility>
 
 namespace virtdrive::toshiba_mcu {
 namespace {
@@ -11,14 +12,7 @@ constexpr SimDuration kTick = 1ms;
 constexpr SimDuration kSlowTask = 100ms;
 constexpr int kSlowTasksPerSecond = 10;
 
-// The board as it is built, whatever the parameters take it for: M37Sigma, 316 mV/A and 91 mV/V
-// on a 12-bit converter of 5 V. Zero error and noise of the amplifiers: assumed, about two counts
-// and a half count.
 constexpr Adc kAdc{.bits = 12, .reference_v = 5.0};
-constexpr double kCurrentSensitivity = 0.316;  // V/A
-constexpr double kVoltageSensitivity = 0.091;  // V/V
-constexpr double kZeroErrorA = 0.008;
-constexpr double kNoiseA = 0.002;
 
 SimTime next_multiple(SimTime now, SimDuration period) {
   return SimTime{(now.time_since_epoch() / period + 1) * period};
@@ -26,31 +20,43 @@ SimTime next_multiple(SimTime now, SimDuration period) {
 
 }  // namespace
 
-PowerBoard::PowerBoard(EventLoop& loop, Axis& axis, const Seed& seed, std::string_view name)
+PowerBoard::PowerBoard(EventLoop& loop, Axis& axis, const Seed& seed, std::string_view name,
+                       const BoardHardware& hardware, std::function<void()> after_interrupt)
     : loop_(loop),
       axis_(axis),
+      hardware_(hardware),
+      after_interrupt_(std::move(after_interrupt)),
       channel_(kFactorySettings),
-      bus_sensor_{.adc = kAdc, .volts_per_volt = kVoltageSensitivity},
+      bus_sensor_{.adc = kAdc, .volts_per_volt = hardware.bus_v_per_v},
       noise_(seed.stream(fmt::format("{}.adc", name))),
       pwm_(loop.add(Phase::kControl, [this] { pwm_interrupt(); })),
       tick_(loop.add(Phase::kControl, [this] { millisecond(); })),
       slow_(loop.add(Phase::kControl, [this] { slow_tasks(); })) {
   for (CurrentSensor& sensor : current_sensors_) {
     sensor = {.adc = kAdc,
-              .volts_per_amp = kCurrentSensitivity,
-              .offset_a = kZeroErrorA * (2 * noise_.uniform() - 1),
-              .noise_a = kNoiseA};
+              .volts_per_amp = hardware.current_v_per_a,
+              .offset_a = hardware.zero_error_a * (2 * noise_.uniform() - 1),
+              .noise_a = hardware.noise_a};
   }
+  load_registers();
+  read_encoder();
   slow_.at(next_multiple(loop.now(), kSlowTask));
 }
 
+PowerBoard::~PowerBoard() {
+  axis_.advance_to(loop_.now());
+  axis_.set_bridge({.mode = Bridge::kOff});
+}
+
 Outcome PowerBoard::start() {
+  read_encoder();
   const Outcome outcome = channel_.start();
   follow();
   return outcome;
 }
 
 Outcome PowerBoard::start_torque_control() {
+  read_encoder();
   const Outcome outcome = channel_.start_torque_control();
   follow();
   return outcome;
@@ -62,28 +68,89 @@ Outcome PowerBoard::stop() {
   return outcome;
 }
 
+Outcome PowerBoard::do_turn(std::int32_t turns, std::int32_t max_rpm) {
+  read_encoder();
+  const Outcome outcome = channel_.do_turn(turns, max_rpm);
+  follow();
+  return outcome;
+}
+
+bool PowerBoard::do_linear_motion(std::uint32_t position, std::int32_t max_rpm) {
+  read_encoder();
+  const bool taken = channel_.do_linear_motion(position, max_rpm);
+  follow();
+  return taken;
+}
+
 void PowerBoard::set_speed_rpm(std::int32_t rpm) {
   channel_.set_speed_rpm(rpm);
 }
 
 void PowerBoard::set_settings(const ChannelSettings& settings) {
+  read_encoder();
   channel_.set_settings(settings);
+  const double gain = kCurrentGains[static_cast<std::size_t>(settings.current_gain.value)];
+  for (CurrentSensor& sensor : current_sensors_) {
+    sensor.volts_per_amp = hardware_.current_v_per_a * gain;
+  }
+  read_encoder();  // of another type, perhaps
   follow();
 }
 
-double PowerBoard::bus_v() {
-  return read_converters().bus_counts * channel_.scaling().bus_v_per_count;
+void PowerBoard::set_emergency(bool pulled) {
+  emergency_ = pulled;
+  if (!pulled || !channel_.pwm_active()) return;
+  channel_.pwm_interrupt(read_inputs());  // the pin interrupts at once
+  follow();
 }
 
-AdcReading PowerBoard::read_converters() {
+std::int32_t PowerBoard::encoder_count() {
+  read_encoder();
+  return channel_.encoder().count();
+}
+
+std::uint32_t PowerBoard::absolute_position() {
+  read_encoder();
+  return channel_.absolute_position();
+}
+
+std::int32_t PowerBoard::turn_number() {
+  read_encoder();
+  return channel_.turn_number();
+}
+
+double PowerBoard::bus_v() {
+  return read_inputs().bus_counts * channel_.scaling().bus_v_per_count;
+}
+
+Reading PowerBoard::read_inputs() {
   axis_.advance_to(loop_.now());
   const PhaseValues currents = axis_.phase_currents_a();
-  AdcReading reading;
+  const double bus_v = axis_.state().bus_v;
+  Reading reading;
   for (std::size_t i = 0; i < 3; ++i) {
     reading.current_counts[i] = current_sensors_[i].counts(currents[i], noise_);
   }
-  reading.bus_counts = bus_sensor_.counts(axis_.state().bus_v, noise_);
+  reading.bus_counts = bus_sensor_.counts(bus_v, noise_);
+  const auto type = static_cast<EncoderType>(channel_.settings().encoder.value);
+  if (type != EncoderType::kNone) {
+    reading.encoder_count =
+        counted_edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs);
+  }
+  reading.emergency_pin = emergency_;
+  reading.over_voltage_pin = bus_v > hardware_.over_voltage_pin_v;
   return reading;
+}
+
+void PowerBoard::read_encoder() {
+  const auto type = static_cast<EncoderType>(channel_.settings().encoder.value);
+  if (type == EncoderType::kNone) {
+    channel_.read_encoder(0);
+    return;
+  }
+  axis_.advance_to(loop_.now());
+  channel_.read_encoder(
+      counted_edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs));
 }
 
 void PowerBoard::load_registers() {
@@ -94,17 +161,20 @@ void PowerBoard::load_registers() {
 
 void PowerBoard::pwm_interrupt() {
   if (channel_.output().mode == Bridge::kDriven) load_registers();
-  channel_.pwm_interrupt(read_converters());
+  channel_.pwm_interrupt(read_inputs());
+  if (after_interrupt_) after_interrupt_();
   follow();
 }
 
 void PowerBoard::millisecond() {
-  channel_.millisecond(read_converters());
+  channel_.millisecond(read_inputs());
   follow();
 }
 
 void PowerBoard::slow_tasks() {
-  channel_.poll();
+  SpeedSignals signals = speed_signals_;
+  signals.adc_counts = kAdc.counts(speed_voltage_);
+  channel_.poll(signals);
   if (++polls_ == kSlowTasksPerSecond) {
     polls_ = 0;
     channel_.temperature_check(temperature_degc_);

@@ -1,13 +1,15 @@
 // A power board: what lies between one channel's program and its motor. Three shunts, a DC link
-// divider and a temperature sensor on the MCU's converter; three half bridges on its PWM unit.
+// divider and a temperature sensor on the MCU's converter; the encoder's inputs; a connector with
+// an emergency pin and signals for the speed; three half bridges on the MCU's PWM unit.
 //
 // It calls the program as the hardware does: a PWM interrupt each period while the PWM unit runs,
 // the 1 kHz tick while the motor is not stopped, and the slow tasks each 100 ms and each second.
 // The duty cycles that an interrupt computes are loaded at the start of the next period; gates go
-// off at once.
+// off at once. Without a program, before a board is made and after it is gone, the gates are off.
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string_view>
 
 #include "core/event_loop.h"
@@ -18,12 +20,29 @@
 
 namespace virtdrive::toshiba_mcu {
 
+/// A board as it is built, whatever the parameters take it for.
+struct BoardHardware {
+  double current_v_per_a = 0.316;  // shunt and amplifier, before GainCurrentMeasure
+  double bus_v_per_v = 0.091;      // divider
+  double over_voltage_pin_v = 30;  // the driver block's comparator; assumed
+  double zero_error_a = 0.008;     // assumed: about two counts
+  double noise_a = 0.002;          // assumed: half a count
+};
+
+/// 24 V, the sensitivities of the maker's M37Sigma.
+inline constexpr BoardHardware kLowVoltageBoard{};
+
 class PowerBoard {
  public:
-  /// `name` names the noise's stream: "board0".
-  PowerBoard(EventLoop& loop, Axis& axis, const Seed& seed, std::string_view name);
+  /// `name` names the noise's stream: "board0". `after_interrupt`, if any, is called after each PWM
+  /// interrupt. The axis must outlive the board, which switches its gates off when it comes and
+  /// when it goes.
+  PowerBoard(EventLoop& loop, Axis& axis, const Seed& seed, std::string_view name,
+             const BoardHardware& hardware = kLowVoltageBoard,
+             std::function<void()> after_interrupt = nullptr);
   PowerBoard(const PowerBoard&) = delete;
   PowerBoard& operator=(const PowerBoard&) = delete;
+  ~PowerBoard();
 
   const MotorChannel& channel() const { return channel_; }
   Outcome start();
@@ -34,13 +53,35 @@ class PowerBoard {
   void set_method(Method method) { channel_.set_method(method); }
   void set_settings(const ChannelSettings& settings);
 
+  Outcome do_turn(std::int32_t turns, std::int32_t max_rpm);
+  bool do_linear_motion(std::uint32_t position, std::int32_t max_rpm);
+  void abort_linear_motion() { channel_.abort_linear_motion(); }
+  /// With the inputs as they stand now.
+  std::int32_t encoder_count();
+  std::uint32_t absolute_position();
+  std::int32_t turn_number();
+
   /// As the firmware measures them now: DC link in V, temperature in degC.
   double bus_v();
   double temperature_degc() const { return temperature_degc_; }
+
+  // --- What a bench may do to the board ---
   void set_temperature_degc(double degc) { temperature_degc_ = degc; }
+  /// The emergency pin of the driver block: gates off at once while a motor runs.
+  void set_emergency(bool pulled);
+  bool emergency() const { return emergency_; }
+  /// Signals of ExternalSpeedControl: a voltage of 0..5 V, the high share of a PWM signal, a
+  /// servo's pulse in us (0: none), the direction pin.
+  void set_speed_voltage(double volts) { speed_voltage_ = volts; }
+  void set_speed_pwm(double high_share) { speed_signals_.pwm_high = high_share; }
+  void set_speed_servo(double pulse_us) { speed_signals_.servo_us = pulse_us; }
+  void set_speed_reverse(bool reverse) { speed_signals_.reverse = reverse; }
+  double speed_voltage() const { return speed_voltage_; }
+  const SpeedSignals& speed_signals() const { return speed_signals_; }
 
  private:
-  AdcReading read_converters();
+  Reading read_inputs();
+  void read_encoder();
   void load_registers();
   void pwm_interrupt();
   void millisecond();
@@ -49,11 +90,16 @@ class PowerBoard {
 
   EventLoop& loop_;
   Axis& axis_;
+  BoardHardware hardware_;
+  std::function<void()> after_interrupt_;
   MotorChannel channel_;
   std::array<CurrentSensor, 3> current_sensors_;
   VoltageSensor bus_sensor_;
   RandomStream noise_;
   double temperature_degc_ = 25;
+  bool emergency_ = false;
+  double speed_voltage_ = 0;
+  SpeedSignals speed_signals_;
   int polls_ = 0;  // since the last whole second
   Bridge loaded_ = Bridge::kOff;
   Wakeup pwm_;

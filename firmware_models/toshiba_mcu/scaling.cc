@@ -39,6 +39,7 @@ double electrical_hz(UnitValue speed, double pole_pairs) {
 Scaling scale(const ChannelSettings& s) {
   Scaling c;
   c.pole_pairs = s.pole_pairs.value;
+  c.gear_factor = std::max(1, s.encoder_gear_factor.value);
   c.acceleration_hz_per_s = acceleration_hz_per_s(s.max_angular_acceleration, c.pole_pairs);
   c.torque_nm_per_a = decimal(s.torque_factor);
   c.resistance_ohm = decimal(s.resistance);
@@ -53,8 +54,9 @@ Scaling scale(const ChannelSettings& s) {
 
   // The sense amplifiers rest at 2.5 V of 5 V for currents, at 0 V for the bus. Sensitivity 0 would
   // divide by zero: then nothing is measured.
-  const double current_sensitivity = decimal(s.current_sensitivity);  // V/A
-  const double voltage_sensitivity = decimal(s.voltage_sensitivity);  // V/V
+  const double gain = kCurrentGains[static_cast<std::size_t>(s.current_gain.value)];
+  const double current_sensitivity = decimal(s.current_sensitivity) * gain;  // V/A
+  const double voltage_sensitivity = decimal(s.voltage_sensitivity);         // V/V
   c.full_scale_a = current_sensitivity > 0 ? 2.5 / current_sensitivity : 0;
   c.full_scale_v =
       voltage_sensitivity > 0 ? std::floor(5.0 / voltage_sensitivity) : 0;  // an integer

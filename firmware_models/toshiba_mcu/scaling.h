@@ -12,9 +12,13 @@ inline constexpr int kAdcMaximum = 4095;
 inline constexpr int kAdcMiddle = 2048;
 inline constexpr double kAdcVoltsPerCount = 5.0 / 4096;
 
+/// Gains that GainCurrentMeasure chooses between: the amplifiers of the M374 board (5.1.48).
+inline constexpr double kCurrentGains[] = {1, 2, 4, 5, 8, 10, 16, 32};
+
 /// Frequencies are electrical, in Hz; currents peak phase currents.
 struct Scaling {
   double pole_pairs = 1;
+  double gear_factor = 1;
   double acceleration_hz_per_s = 0;
   double torque_nm_per_a = 0;
   double resistance_ohm = 0;

@@ -118,12 +118,13 @@ constexpr std::uint32_t features(std::initializer_list<Feature> list) {
 
 /// What the image and its boards tell of themselves.
 struct Identity {
-  std::uint32_t feature_bits =
-      features({Feature::kLoadStatistic, Feature::kTemperatureControl,
-                Feature::kWritableBoardSettings, Feature::kSoftwareVoltageDetection,
-                Feature::kMotorDisconnectDetection, Feature::kSoftwareOvercurrentDetection,
-                Feature::kLoadDependentSpeedReduction, Feature::kStallDetect,
-                Feature::kDcLinkVoltage, Feature::kMotorStage, Feature::kTorqueControl});
+  std::uint32_t feature_bits = features(
+      {Feature::kDso, Feature::kLoadStatistic, Feature::kTurnControl, Feature::kTemperatureControl,
+       Feature::kHsDso, Feature::kWritableBoardSettings, Feature::kExternalSpeedControl,
+       Feature::kSoftwareVoltageDetection, Feature::kMotorDisconnectDetection,
+       Feature::kSoftwareOvercurrentDetection, Feature::kLoadDependentSpeedReduction,
+       Feature::kStallDetect, Feature::kMotionControl, Feature::kDcLinkVoltage,
+       Feature::kMotorStage, Feature::kDemo, Feature::kTorqueControl});
   std::uint8_t board_revision = 1;
   std::uint8_t channels = 0x07;
   std::uint16_t dso_size = 320;  // int16 values
@@ -132,7 +133,6 @@ struct Identity {
   Name power_board{"SIM-PWR"};
   std::uint8_t version_major = 3;
   std::uint8_t version_minor = 10;
-  std::uint8_t system_load_percent = 20;  // assumed: the simulation has no CPU to be loaded
 };
 
 inline constexpr Identity kIdentity{};

@@ -1,6 +1,7 @@
 #include "devices/toshiba_mcu/device.h"
 
 #include <fmt/format.h>
+#include <functional>
 #include <gtest/gtest.h>
 
 #include "tests/devices/vectors.h"
@@ -38,7 +39,7 @@ class DeviceTest : public testing::Test {
         device_(
             rig_.loop, port_, rig_.firmware, memory_, options,
             [this](const WireEvent& event) { log_ += std::string(event.text) + "\n"; },
-            [this](std::string_view note) { notes_.emplace_back(note); }) {}
+            [this](std::string_view note) { notes_.emplace_back(note); }, &stream_port_) {}
 
   void hear(const Bytes& bytes) {
     for (const std::uint8_t byte : bytes) device_.receive(byte);
@@ -76,6 +77,7 @@ class DeviceTest : public testing::Test {
   Rig rig_;
   MemoryInProcess memory_;
   WirePort port_;
+  WirePort stream_port_{rig_.loop, 2us};  // 10 bits at 5 Mbit/s
   std::string log_;
   std::vector<std::string> notes_;
   Device device_;
@@ -131,6 +133,25 @@ TEST_F(DeviceTest, AnswersTheStatelessGoldenVectorsToTheByte) {
       {"01_StopMotor_ch0", "01_StopMotor"},
       {"00_StartMotor_ch2", "00_StartMotor"},
       {"01_StopMotor_ch2", "01_StopMotor"},
+      {"06_GetDSOLogData", "EE_Error_minus1"},
+      {"05_ConfigDSOLog", "05_ConfigDSOLog"},
+      {"06_GetDSOLogData", "EE_Error_minus2"},
+      {"05_ConfigDSOLog_rising_center", "05_ConfigDSOLog"},
+      {"07_ConfigureHsDSO", "07_ConfigureHsDSO"},
+      {"07_ConfigureHsDSO_off", "07_ConfigureHsDSO"},
+      {"0E_GetAbsolutePosition", "0E_GetAbsolutePosition"},
+      {"0F_AbortLinearMotion", "0F_AbortLinearMotion"},
+      {"0D_DoLinearMotion", "0D_DoLinearMotion"},
+      {"0D_DoLinearMotion", "0D_DoLinearMotion_range"},  // busy: the same error
+      {"12_SetMotorControlMethod", "12_SetMotorControlMethod"},
+      {"12_SetMotorControlMethod_bad", "12_SetMotorControlMethod_invalid"},
+      {"21_SetDemoState", "21_SetDemoState"},
+      {"22_GetDemoState", "22_GetDemoState"},
+      {"03_StoreParameters", "03_StoreParameters"},
+      {"04_ClearParameters", "04_ClearParameters"},
+      {"0A_SetOne_Torque_100mNm", "EE_Error_minus1"},  // 1.85 A at 34 mNm/A are 63 mNm
+      {"08_DoTurn", "08_DoTurn"},
+      {"10_StartMotorTorqueCtrl", "10_StartMotorTorqueCtrl"},  // running: nothing happens
   };
   for (const Pair& pair : pairs) {
     EXPECT_EQ(ask(frame(pair.request, "request")), frame(pair.response, "response"))
@@ -343,12 +364,12 @@ TEST_F(DeviceTest, ANameIsWrittenFourBytesAtTheOffsetInTheUnitField) {
 }
 
 TEST_F(DeviceTest, AWriteWithoutEffectIsNotedOnce) {
-  EXPECT_EQ(set(1, 0x30, 99), "error -1");
+  EXPECT_EQ(set(1, 0x57, 99), "error -1");
   EXPECT_TRUE(notes_.empty()) << "nothing was stored";
-  EXPECT_EQ(set(1, 0x30, 1), "ok");
-  EXPECT_EQ(set(2, 0x30, 3), "ok");
+  EXPECT_EQ(set(1, 0x57, 1), "ok");
+  EXPECT_EQ(set(2, 0x57, 3), "ok");
   EXPECT_EQ(set(1, 0x10, 4), "ok");
-  EXPECT_EQ(notes_, (std::vector<std::string>{"Encoder (30) is stored, but nothing acts on it"}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{"CanId (57) is stored, but nothing acts on it"}));
 }
 
 TEST_F(DeviceTest, ChannelsKeepTheirOwnSettings) {
@@ -396,17 +417,160 @@ TEST_F(DeviceTest, EarlierWritesStayWhenALaterOneIsRefused) {
   EXPECT_EQ(get(1, 0x18), "200 0");
 }
 
-TEST_F(DeviceTest, CommandsThatAreNotThereYetAreRefusedNotSwallowed) {
-  for (const CommandRow& row : kCommands) {
-    if (row.support != Support::kRejected) continue;
-    protocol::Values request;
-    request.pad(row.request);
-    EXPECT_EQ(answer_to(static_cast<std::uint8_t>(row.code), request), "error -1") << row.name;
-  }
+TEST_F(DeviceTest, NoRowIsRejected) {
+  for (const CommandRow& row : kCommands) EXPECT_NE(row.support, Support::kRejected) << row.name;
+  for (const ParameterRow& row : kParameters)
+    EXPECT_NE(row.support, Support::kRejected) << row.name;
 }
 
-// --- Non-volatile memory
-// ---------------------------------------------------------------------------
+TEST_F(DeviceTest, TheFeaturesAreAllButCan) {
+  EXPECT_EQ(get(0xFF, 0x90), fmt::format("{} 0", 0x3F7FF));
+}
+
+TEST_F(DeviceTest, TheDemosStateIsKeptAndSaidToBeWithoutEffect) {
+  EXPECT_EQ(ask("11 21 03 ee 13"), "11 21 00 e7 13");
+  EXPECT_EQ(ask("11 22 ab b6 13"), "11 22 03 e7 13");
+  EXPECT_EQ(notes_,
+            (std::vector<std::string>{"SetDemoState (21) is stored, but nothing acts on it",
+                                      "GetDemoState (22) is stored, but nothing acts on it"}));
+}
+
+// --- Oscilloscopes -------------------------------------------------------------------------------
+
+TEST_F(DeviceTest, ASnapshotIsFetchedBlockByBlockUntilItIsRefused) {
+  rig_.run_up(2000);
+  EXPECT_EQ(ask("11 05 01 07 00 00 00 00 00 00 00 03 00 00 00 f0 13"), "11 05 14 00 42 13");
+  rig_.run_for(20ms);
+  double sum = 0;
+  for (int block = 0; block < 20; ++block) {
+    Decoder decoder(Direction::kReply);
+    for (const std::uint8_t byte : ask(from_hex("11 06 00 12 13"))) decoder.push(byte);
+    ASSERT_EQ(decoder.telegram().row->code, 0x06);
+    for (std::size_t i = 0; i < 16; ++i) sum += double(decoder.telegram().values[i]);
+  }
+  EXPECT_NEAR(sum / 320, 8192, 200) << "duties";
+  EXPECT_EQ(ask("11 06 00 12 13"), kRefused);
+}
+
+TEST_F(DeviceTest, ASnapshotIsNotReadyWhileItSamples) {
+  rig_.run_up(2000);
+  EXPECT_EQ(answer_to(0x05, {1, 7, 0, 0, 0, 255}), "ok");  // 106 times 256 periods
+  EXPECT_EQ(ask("11 06 00 12 13"), kNotReady);
+  rig_.run_for(2200ms);
+  EXPECT_EQ(ask("11 06 00 12 13").substr(0, 5), "11 06");
+}
+
+// The frame of the golden vectors: three signals, none missed, stamp 1234.
+TEST(ToshibaMcuStreamFrame, IsTheGoldenVector) {
+  const std::int16_t values[] = {0x249d, 0x2090, 0x1b62};
+  const auto vectors = read_vectors("vectors_toshiba_mcu.csv");
+  EXPECT_EQ(encode_stream_frame(0, 1234, values),
+            golden_frame(vectors, "HsDSO_frame_3sig", "response"));
+}
+
+// Frames of `signals` values; false at the first that is none.
+bool each_frame(const Bytes& stream, std::size_t signals,
+                const std::function<void(std::span<const std::uint8_t>)>& take) {
+  const std::size_t size = 5 + 2 * signals;
+  if (stream.size() % size != 0) return false;
+  for (std::size_t at = 0; at < stream.size(); at += size) {
+    const auto frame = std::span(stream).subspan(at, size);
+    if (frame[0] != kBot || frame[1] != crc8(0, frame.subspan(2))) return false;
+    take(frame);
+  }
+  return true;
+}
+
+TEST_F(DeviceTest, TheStreamCarriesSeventeenSignalsOfEachPeriod) {
+  rig_.run_up(2000);
+  EXPECT_EQ(answer_to(0x07, {1, 1, 0x1FFFF, 0}), "ok");
+  stream_port_.said.clear();
+  rig_.run_for(1s);
+  std::size_t frames = 0;
+  EXPECT_TRUE(each_frame(stream_port_.said, 17, [&](auto frame) {
+    EXPECT_EQ(frame[2], 0);
+    ++frames;
+  }));
+  EXPECT_NEAR(double(frames), 12500, 2);
+  EXPECT_EQ(device_.stream()->missed(), 0U);
+}
+
+TEST_F(DeviceTest, EighteenSignalsMissEachOtherPeriodAndSaySo) {
+  rig_.run_up(2000);
+  EXPECT_EQ(answer_to(0x07, {1, 1, 0x3FFFF, 0}), "ok");
+  stream_port_.said.clear();
+  rig_.run_for(1s);
+  std::size_t frames = 0;
+  std::optional<int> last;
+  EXPECT_TRUE(each_frame(stream_port_.said, 18, [&](auto frame) {
+    EXPECT_EQ(frame[2], 1);
+    const int stamp = frame[3] | frame[4] << 8;
+    EXPECT_EQ((stamp - last.value_or(stamp - 2) + 12500) % 12500, 2);
+    last = stamp;
+    ++frames;
+  }));
+  EXPECT_NEAR(double(frames), 6250, 2);
+  EXPECT_NEAR(double(device_.stream()->missed()), 6250, 200);
+}
+
+TEST_F(DeviceTest, TheStreamIsSwitchedOffAndNeedsASignal) {
+  rig_.run_up(2000);
+  EXPECT_EQ(answer_to(0x07, {1, 1, 0, 0}), "error -1");
+  EXPECT_EQ(answer_to(0x07, {1, 1, 7, 0}), "ok");
+  EXPECT_EQ(answer_to(0x07, {1, 0, 7, 0}), "ok");
+  stream_port_.said.clear();
+  rig_.run_for(100ms);
+  EXPECT_TRUE(stream_port_.said.empty());
+}
+
+TEST(ToshibaMcuDevice, WithoutASecondLineTheStreamIsNotedAndGoesNowhere) {
+  Rig rig;
+  MemoryInProcess memory;
+  WirePort port(rig.loop, kCharacter);
+  std::vector<std::string> notes;
+  Device device(rig.loop, port, rig.firmware, memory, {}, nullptr,
+                [&](std::string_view note) { notes.emplace_back(note); });
+  rig.run_up(1000, 2s);
+  for (const std::uint8_t byte : from_hex("11 07 01 01 07 00 00 00 00 cc 13")) device.receive(byte);
+  rig.run_for(1s);
+  EXPECT_EQ(port.said, from_hex("11 07 00 15 13"));
+  EXPECT_EQ(notes.size(), 1U);
+  EXPECT_EQ(device.stream(), nullptr);
+}
+
+// --- Motion --------------------------------------------------------------------------------------
+
+TEST_F(DeviceTest, AHostTurnsTheMotorAndReadsItsTurns) {
+  EXPECT_EQ(answer_to(0x08, {1, -3, 600}), "ok");
+  rig_.run_for(30s);
+  EXPECT_EQ(get(1, 0xE4), "-3 0");
+  EXPECT_EQ(get(1, 0xE3), "0 0");
+  EXPECT_EQ(answer_to(0x08, {1, 1, 0}), "error -1");
+}
+
+TEST_F(DeviceTest, AHostMovesToAPositionAndReadsItBack) {
+  EXPECT_EQ(set(1, 0x30, 3), "ok");
+  EXPECT_EQ(set(1, 0x34, 1000), "ok");
+  EXPECT_EQ(ask(encode_request(*protocol::find(kTable.commands, 0x0D), {1, 9000, 600})),
+            from_hex("11 0d 00 23 13"));
+  EXPECT_EQ(ask(encode_request(*protocol::find(kTable.commands, 0x0D), {1, 100, 600})),
+            from_hex("11 0d 01 24 13"))
+      << "busy";
+  rig_.run_for(30s);
+  Decoder decoder(Direction::kReply);
+  for (const std::uint8_t byte : ask(from_hex("11 0e 01 2d 13"))) decoder.push(byte);
+  EXPECT_NEAR(double(decoder.telegram().values[0]), 9000, 12);
+  for (const std::uint8_t byte : ask(from_hex("11 13 01 7e 13"))) decoder.push(byte);
+  EXPECT_NEAR(double(decoder.telegram().values[0]), 8000, 12);
+}
+
+TEST_F(DeviceTest, TheSystemsLoadRisesWithTheMotorsThatRun) {
+  EXPECT_EQ(get(0xFF, 0xB2), "5 0");
+  rig_.run_up(1000, 2s);
+  EXPECT_EQ(get(0xFF, 0xB2), "15 0");
+}
+
+// --- Non-volatile memory -------------------------------------------------------------------------
 
 TEST_F(DeviceTest, StoredParametersOutliveAResetAndOthersDoNot) {
   EXPECT_EQ(set(1, 0x10, 7), "ok");
@@ -456,8 +620,7 @@ TEST_F(DeviceTest, AChannelThatIsNotThereIsNotStored) {
   EXPECT_EQ(answer_to(0x03, {0xFF}), "error -1");
 }
 
-// --- Torque control
-// --------------------------------------------------------------------------------
+// --- Torque control ------------------------------------------------------------------------------
 
 TEST_F(DeviceTest, TorqueControlTellsTorquesWhereSpeedControlTellsSpeeds) {
   Load load;
