@@ -46,7 +46,6 @@ void Talker::say(std::uint8_t byte, Content content, const LineSettings& setting
     return;
   }
   const SimTime end = burst_start_ + settings.time_of(++burst_count_);
-  const bool lost = content == Content::kLost;
   Character& character = queue_.push();
   character.begin = idle_;
   character.end = end;
