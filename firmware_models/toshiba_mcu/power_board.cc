@@ -97,9 +97,9 @@ void PowerBoard::set_settings(const ChannelSettings& settings) {
   follow();
 }
 
-void PowerBoard::set_emergency(bool pulled) {
-  emergency_ = pulled;
-  if (!pulled || !channel_.pwm_active()) return;
+void PowerBoard::set_inputs(const BoardInputs& inputs) {
+  inputs_ = inputs;
+  if (!inputs.emergency || !channel_.pwm_active()) return;
   channel_.pwm_interrupt(read_inputs());  // the pin interrupts at once
   follow();
 }
@@ -137,7 +137,7 @@ Reading PowerBoard::read_inputs() {
     reading.encoder_count =
         counted_edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs);
   }
-  reading.emergency_pin = emergency_;
+  reading.emergency_pin = inputs_.emergency;
   reading.over_voltage_pin = bus_v > hardware_.over_voltage_pin_v;
   return reading;
 }
@@ -172,12 +172,13 @@ void PowerBoard::millisecond() {
 }
 
 void PowerBoard::slow_tasks() {
-  SpeedSignals signals = speed_signals_;
-  signals.adc_counts = kAdc.counts(speed_voltage_);
-  channel_.poll(signals);
+  channel_.poll({.adc_counts = kAdc.counts(inputs_.speed_v),
+                 .pwm_high = inputs_.speed_pwm,
+                 .servo_us = inputs_.speed_servo_us,
+                 .reverse = inputs_.speed_reverse});
   if (++polls_ == kSlowTasksPerSecond) {
     polls_ = 0;
-    channel_.temperature_check(temperature_degc_);
+    channel_.temperature_check(inputs_.temperature_degc);
   }
   follow();
   slow_.at(loop_.now() + kSlowTask);

@@ -32,6 +32,17 @@ struct BoardHardware {
 /// 24 V, the sensitivities of the maker's M37Sigma.
 inline constexpr BoardHardware kLowVoltageBoard{};
 
+/// What a bench may do to a board; stays as it is over the MCU's resets.
+struct BoardInputs {
+  double temperature_degc = 25;  // at the board's sensor
+  bool emergency = false;        // the driver block's pin is pulled
+  // The signals of ExternalSpeedControl.
+  double speed_v = 0;          // 0..5 V at the analogue input
+  double speed_pwm = 0;        // high share of the PWM signal, 0..1
+  double speed_servo_us = 0;   // length of the servo pulse; 0: none comes
+  bool speed_reverse = false;  // the direction pin
+};
+
 class PowerBoard {
  public:
   /// `name` names the noise's stream: "board0". `after_interrupt`, if any, is called after each PWM
@@ -63,21 +74,12 @@ class PowerBoard {
 
   /// As the firmware measures them now: DC link in V, temperature in degC.
   double bus_v();
-  double temperature_degc() const { return temperature_degc_; }
+  double temperature_degc() const { return inputs_.temperature_degc; }
 
-  // --- What a bench may do to the board ---
-  void set_temperature_degc(double degc) { temperature_degc_ = degc; }
-  /// The emergency pin of the driver block: gates off at once while a motor runs.
-  void set_emergency(bool pulled);
-  bool emergency() const { return emergency_; }
-  /// Signals of ExternalSpeedControl: a voltage of 0..5 V, the high share of a PWM signal, a
-  /// servo's pulse in us (0: none), the direction pin.
-  void set_speed_voltage(double volts) { speed_voltage_ = volts; }
-  void set_speed_pwm(double high_share) { speed_signals_.pwm_high = high_share; }
-  void set_speed_servo(double pulse_us) { speed_signals_.servo_us = pulse_us; }
-  void set_speed_reverse(bool reverse) { speed_signals_.reverse = reverse; }
-  double speed_voltage() const { return speed_voltage_; }
-  const SpeedSignals& speed_signals() const { return speed_signals_; }
+  const BoardInputs& inputs() const { return inputs_; }
+  /// The emergency pin acts at once: gates off while a motor runs.
+  void set_inputs(const BoardInputs& inputs);
+  void set_temperature_degc(double degc) { inputs_.temperature_degc = degc; }
 
  private:
   Reading read_inputs();
@@ -96,10 +98,7 @@ class PowerBoard {
   std::array<CurrentSensor, 3> current_sensors_;
   VoltageSensor bus_sensor_;
   RandomStream noise_;
-  double temperature_degc_ = 25;
-  bool emergency_ = false;
-  double speed_voltage_ = 0;
-  SpeedSignals speed_signals_;
+  BoardInputs inputs_;
   int polls_ = 0;  // since the last whole second
   Bridge loaded_ = Bridge::kOff;
   Wakeup pwm_;

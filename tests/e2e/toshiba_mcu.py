@@ -22,14 +22,24 @@ STOP_MOTOR = 0x01
 GET_MOTOR_STATE = 0x02
 STORE_PARAMETERS = 0x03
 CLEAR_PARAMETERS = 0x04
+CONFIG_DSO_LOG = 0x05
+GET_DSO_LOG_DATA = 0x06
+CONFIGURE_HS_DSO = 0x07
+DO_TURN = 0x08
 GET_ONE = 0x09
 SET_ONE = 0x0A
 GET_MANY = 0x0B
 SET_MANY = 0x0C
+DO_LINEAR_MOTION = 0x0D
+GET_ABSOLUTE_POSITION = 0x0E
+ABORT_LINEAR_MOTION = 0x0F
 START_TORQUE = 0x10
 GET_CONTROL_METHOD = 0x11
 SET_CONTROL_METHOD = 0x12
+GET_ENCODER_COUNTER = 0x13  # 4.2.20; table 4-1 says 0x12
 GET_VERSION = 0x14
+SET_DEMO_STATE = 0x21
+GET_DEMO_STATE = 0x22
 GET_EXTENDED_STATE = 0x23
 
 # Payload of the answer to each, in bytes.
@@ -39,14 +49,24 @@ REPLY_SIZE = {
     GET_MOTOR_STATE: 20,
     STORE_PARAMETERS: 1,
     CLEAR_PARAMETERS: 1,
+    CONFIG_DSO_LOG: 2,
+    GET_DSO_LOG_DATA: 32,
+    CONFIGURE_HS_DSO: 1,
+    DO_TURN: 1,
     GET_ONE: 5,
     SET_ONE: 1,
     GET_MANY: 42,
     SET_MANY: 2,
+    DO_LINEAR_MOTION: 1,
+    GET_ABSOLUTE_POSITION: 4,
+    ABORT_LINEAR_MOTION: 1,
     START_TORQUE: 1,
     GET_CONTROL_METHOD: 1,
     SET_CONTROL_METHOD: 1,
+    GET_ENCODER_COUNTER: 4,
     GET_VERSION: 2,
+    SET_DEMO_STATE: 1,
+    GET_DEMO_STATE: 1,
     GET_EXTENDED_STATE: 21,
     ERROR: 1,
 }
@@ -57,6 +77,8 @@ POLE_PAIRS = 0x10
 DIRECTION = 0x11
 MAX_ANG_ACC = 0x12
 IQ_START = 0x19
+ENCODER = 0x30
+ENCODER_START_POS = 0x34
 SHUTDOWN_MODE = 0x51
 BRAKETIME = 0x52
 RESTART_MODE = 0x54
@@ -64,6 +86,7 @@ SW_UNDERVOLTAGE = 0x5A
 BOOTSTRAP_DELAY = 0x71
 ERROR_STATE = 0xE1
 MOTOR_STAGE = 0xE3
+TURN_NUMBER = 0xE4
 SPEED = 0xE5
 TORQUE = 0xE6
 
@@ -73,6 +96,17 @@ MAMPERE = -3
 
 # ShutdownMode (5.1.32).
 DISABLE_OUTPUT, SHORT_BRAKE, GENTLE = range(3)
+
+# Encoder (5.1.15).
+ENCODER_INCENC_ABZ = 3
+
+# Bits of selected_values (4.2.6); TriggerMode as in the maker's published firmware.
+DSO = {name: 1 << bit for bit, name in enumerate(
+    "Va Vb Vc Valpha Vbeta Id Id_Ref Iq Iq_Ref Vd Vq Vdi Vqi Theta Omega Omega_Calc SIN_Theta "
+    "COS_Theta Sector VDC Ia Ib Ic Ialpha Ibeta VE_Stage User1 User2 User3 User4 User5 User6".split()
+)}
+RISING, CENTRED = 1, 2
+DSO_NOT_READY, DSO_EMPTY = -2, -1  # 4.2.7
 
 # Bits of ErrorState (5.1.66).
 SW_UNDERVOLTAGE_ERROR = 1 << 4
@@ -223,6 +257,45 @@ class Host:
 
     def clear(self):
         self.request(CLEAR_PARAMETERS, [0])
+
+    # --- Oscilloscope (4.2.6, 4.2.7, 4.2.8) ---
+
+    def arm(self, motor, selected, trigger_on=0, mode=0, level=0, spread=0):
+        """The number of blocks that will have to be fetched."""
+        payload = struct.pack("<BIIBHB", motor, selected, trigger_on, mode, level & 0xFFFF, spread)
+        return struct.unpack("<H", self.request(CONFIG_DSO_LOG, payload))[0]
+
+    def dso_block(self):
+        return struct.unpack("<16h", self.request(GET_DSO_LOG_DATA, [0]))
+
+    def configure_stream(self, motor, enable, selected, spread=0):
+        self.request(CONFIGURE_HS_DSO, struct.pack("<BBIB", motor, enable, selected, spread))
+
+    # --- Motion (4.2.9, 4.2.14 to 4.2.16, 4.2.20) ---
+
+    def do_turn(self, motor, turns, max_rpm):
+        self.request(DO_TURN, struct.pack("<BhH", motor, turns, max_rpm))
+
+    def do_linear_motion(self, motor, position, max_rpm):
+        """The error byte: 0 if the drive goes there."""
+        return self.request(DO_LINEAR_MOTION, struct.pack("<BIH", motor, position, max_rpm))[0]
+
+    def absolute_position(self, motor):
+        return struct.unpack("<I", self.request(GET_ABSOLUTE_POSITION, [motor]))[0]
+
+    def abort_linear_motion(self, motor):
+        return self.request(ABORT_LINEAR_MOTION, [motor])[0]
+
+    def encoder_counter(self, encoder):
+        return struct.unpack("<i", self.request(GET_ENCODER_COUNTER, [encoder]))[0]
+
+    # --- Demo (4.2.22, 4.2.23) ---
+
+    def set_demo_state(self, state):
+        return self.request(SET_DEMO_STATE, [state])[0]
+
+    def demo_state(self):
+        return self.request(GET_DEMO_STATE, [0xAB])[0]
 
     def set_control_method(self, motor, method):
         """The error byte: 0 or 1."""

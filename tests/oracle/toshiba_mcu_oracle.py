@@ -26,26 +26,26 @@ PAYLOADS = {
     host.START_MOTOR: ("B", "B"),
     host.STOP_MOTOR: ("B", "B"),
     host.GET_MOTOR_STATE: ("B", "iiIII"),
-    0x03: ("B", "B"),  # StoreParameters
-    0x04: ("B", "B"),  # ClearParameters
-    0x05: ("BIIBHB", "H"),  # ConfigDSOLog
-    0x06: ("B", "16h"),  # GetDSOLogData
-    0x07: ("BBIB", "B"),  # ConfigureHsDSO
-    0x08: ("BhH", "B"),  # DoTurn
+    host.STORE_PARAMETERS: ("B", "B"),
+    host.CLEAR_PARAMETERS: ("B", "B"),
+    host.CONFIG_DSO_LOG: ("BIIBHB", "H"),
+    host.GET_DSO_LOG_DATA: ("B", "16h"),
+    host.CONFIGURE_HS_DSO: ("BBIB", "B"),
+    host.DO_TURN: ("BhH", "B"),
     host.GET_ONE: ("B" + GET_SLOT, VALUE_SLOT),
     host.SET_ONE: ("B" + SET_SLOT, "B"),
     host.GET_MANY: ("BB" + host.SLOTS * GET_SLOT, "BB" + host.SLOTS * VALUE_SLOT),
     host.SET_MANY: ("BB" + host.SLOTS * SET_SLOT, "BB"),
-    0x0D: ("BIH", "B"),  # DoLinearMotion
-    0x0E: ("B", "I"),  # GetAbsolutePosition
-    0x0F: ("B", "B"),  # AbortLinearMotion
-    0x10: ("B", "B"),  # StartMotorTorqueCtrl
+    host.DO_LINEAR_MOTION: ("BIH", "B"),
+    host.GET_ABSOLUTE_POSITION: ("B", "I"),
+    host.ABORT_LINEAR_MOTION: ("B", "B"),
+    host.START_TORQUE: ("B", "B"),
     host.GET_CONTROL_METHOD: ("B", "B"),
-    0x12: ("BB", "B"),  # SetMotorControlMethod
-    0x13: ("B", "i"),  # GetEncoderCounter; 4.1 says 0x12, the frames of 4.2.20 say 0x13
+    host.SET_CONTROL_METHOD: ("BB", "B"),
+    host.GET_ENCODER_COUNTER: ("B", "i"),
     host.GET_VERSION: ("B", "BB"),
-    0x21: ("B", "B"),  # SetDemoState
-    0x22: ("B", "B"),  # GetDemoState
+    host.SET_DEMO_STATE: ("B", "B"),
+    host.GET_DEMO_STATE: ("B", "B"),
     host.GET_EXTENDED_STATE: ("B", "iiIIIB"),
 }
 # The order of bytes is that of a Cortex-M3's memory (3): little-endian.

@@ -35,24 +35,24 @@ TEST(ToshibaMcuExternalSpeed, AVoltageStartsSetsAndStopsTheMotor) {
   rig.change(&ChannelSettings::external_speed_control, {1});
   rig.run_for(1s);
   EXPECT_EQ(rig.channel().stage(), Stage::kStop);
-  rig.board().set_speed_voltage(5.0 * 2000 / 5250);
+  rig.set_input(&BoardInputs::speed_v, 5.0 * 2000 / 5250);
   rig.run_for(5s);
   EXPECT_NEAR(rig.speed_rpm(), 2000, 10);
-  rig.board().set_speed_voltage(5.0 * 1000 / 5250);
+  rig.set_input(&BoardInputs::speed_v, 5.0 * 1000 / 5250);
   rig.run_for(3s);
   EXPECT_NEAR(rig.speed_rpm(), 1000, 10);
   rig.board().set_speed_rpm(3000);
   rig.run_for(100ms);
   EXPECT_NEAR(rig.channel().target_rpm(), 1000, 3) << "the signal overrides the host";
-  rig.board().set_speed_voltage(0);
+  rig.set_input(&BoardInputs::speed_v, 0.0);
   EXPECT_LE(rig.run_to(Stage::kStop), 3s);
 }
 
 TEST(ToshibaMcuExternalSpeed, APwmSignalAndTheDirectionPin) {
   Rig rig;
   rig.change(&ChannelSettings::external_speed_control, {2});
-  rig.board().set_speed_reverse(true);
-  rig.board().set_speed_pwm(0.3);
+  rig.set_input(&BoardInputs::speed_reverse, true);
+  rig.set_input(&BoardInputs::speed_pwm, 0.3);
   rig.run_for(5s);
   EXPECT_NEAR(rig.speed_rpm(), -0.3 * 5250, 10);
 }
@@ -60,13 +60,13 @@ TEST(ToshibaMcuExternalSpeed, APwmSignalAndTheDirectionPin) {
 TEST(ToshibaMcuExternalSpeed, AServosPulseTurnsBothWaysAndItsLossStops) {
   Rig rig;
   rig.change(&ChannelSettings::external_speed_control, {3});
-  rig.board().set_speed_servo(1300);
+  rig.set_input(&BoardInputs::speed_servo_us, 1300.0);
   rig.run_for(5s);
   EXPECT_NEAR(rig.speed_rpm(), -0.4 * 5250, 10);
-  rig.board().set_speed_servo(0);
+  rig.set_input(&BoardInputs::speed_servo_us, 0.0);
   EXPECT_LE(rig.run_to(Stage::kStop), 5s);
   rig.change(&ChannelSettings::external_speed_control, {4});
-  rig.board().set_speed_servo(1400);
+  rig.set_input(&BoardInputs::speed_servo_us, 1400.0);
   rig.run_for(6s);
   EXPECT_NEAR(rig.speed_rpm(), 0.4 * 5250, 10);
 }
@@ -75,7 +75,7 @@ TEST(ToshibaMcuExternalSpeed, KeepsToDirection) {
   Rig rig;
   rig.change(&ChannelSettings::external_speed_control, {3});
   rig.change(&ChannelSettings::direction, {0});
-  rig.board().set_speed_servo(1300);
+  rig.set_input(&BoardInputs::speed_servo_us, 1300.0);
   rig.run_for(2s);
   EXPECT_EQ(rig.channel().target_rpm(), 0);
   EXPECT_NE(rig.channel().errors() & bit(Fault::kWrongDirection), 0U);
@@ -83,9 +83,9 @@ TEST(ToshibaMcuExternalSpeed, KeepsToDirection) {
 
 TEST(ToshibaMcuExternalSpeed, WithoutItTheSignalsAreIdle) {
   Rig rig;
-  rig.board().set_speed_voltage(5);
-  rig.board().set_speed_pwm(1);
-  rig.board().set_speed_servo(2000);
+  rig.set_input(&BoardInputs::speed_v, 5.0);
+  rig.set_input(&BoardInputs::speed_pwm, 1.0);
+  rig.set_input(&BoardInputs::speed_servo_us, 2000.0);
   rig.run_for(1s);
   EXPECT_EQ(rig.channel().stage(), Stage::kStop);
 }

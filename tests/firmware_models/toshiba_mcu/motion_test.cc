@@ -97,7 +97,7 @@ TEST_F(MotionTest, StopAndASpeedEndIt) {
 TEST_F(MotionTest, ATurnNeedsAHealthyDrive) {
   rig_.board().start();
   rig_.run_for(20ms);
-  rig_.board().set_emergency(true);
+  rig_.set_input(&BoardInputs::emergency, true);
   ASSERT_EQ(rig_.channel().stage(), Stage::kEmergency);
   EXPECT_EQ(rig_.board().do_turn(1, 100), Outcome::kNotReady);
   EXPECT_FALSE(rig_.board().do_linear_motion(1, 100));

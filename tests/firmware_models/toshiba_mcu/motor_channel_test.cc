@@ -502,6 +502,157 @@ TEST(ToshibaMcuProtection, SpeedReductionEndsWithTheLoad) {
   EXPECT_NEAR(rig.speed_rpm(), 2000, 10) << "the target is restored";
 }
 
+TEST(ToshibaMcuProtection, TheEmergencyPinSwitchesOffAtOnce) {
+  Rig rig;
+  rig.run_up(2000);
+  rig.set_input(&BoardInputs::emergency, true);
+  EXPECT_EQ(rig.channel().stage(), Stage::kEmergency);
+  EXPECT_EQ(rig.channel().output().mode, Bridge::kOff);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kEmergency));
+  EXPECT_EQ(rig.channel().actual_rpm(), 0);
+  rig.run_for(10ms);
+  EXPECT_GT(rig.speed_rpm(), 1600) << "it coasts";
+  for (const double current : rig.axis_of().phase_currents_a()) EXPECT_EQ(current, 0);
+  // While the pin is pulled a start comes to nothing.
+  EXPECT_EQ(rig.board().stop(), Outcome::kDone);
+  EXPECT_EQ(rig.board().start(), Outcome::kDone);
+  EXPECT_LE(rig.run_to(Stage::kEmergency, 1s), 80us);
+  rig.set_input(&BoardInputs::emergency, false);
+  rig.run_for(1s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kEmergency) << "left by StopMotor only";
+  rig.board().stop();
+  rig.run_up(1000, 3s);
+  EXPECT_NEAR(rig.speed_rpm(), 1000, 10);
+}
+
+TEST(ToshibaMcuProtection, TheDriverBlocksOvervoltagePinActsWithTheSoftwareOff) {
+  Rig rig;
+  rig.change(&ChannelSettings::over_voltage, {0});
+  rig.change(&ChannelSettings::max_angular_acceleration, {5000});
+  Load load;
+  load.inertia_kgm2 = 2e-5;
+  rig.axis_of().set_load(load);
+  rig.run_up(4000, 5s);
+  ASSERT_NEAR(rig.speed_rpm(), 4000, 30);
+  rig.board().stop();
+  rig.run_to(Stage::kEmergency, 3s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kOverVoltage));
+  EXPECT_GT(rig.axis_of().state().bus_v, 30);
+}
+
+TEST(ToshibaMcuProtection, ASagOfTheSupplyShorterThanAMillisecondIsNotSeen) {
+  Rig rig;
+  rig.run_up(1000, 3s);
+  rig.axis_of().advance_to(rig.loop.now());
+  rig.axis_of().set_source_voltage(10);
+  rig.run_for(700us);
+  rig.axis_of().advance_to(rig.loop.now());
+  rig.axis_of().set_source_voltage(24);
+  rig.run_for(1s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kFoc) << "1000 uF carry a light load over it";
+}
+
+TEST(ToshibaMcuProtection, AnOvervoltedSupplyIsAnEmergencyInEveryStageWithPwm) {
+  Rig rig;
+  rig.axis_of().set_source_voltage(28);
+  rig.run_for(100ms);
+  rig.board().start();
+  rig.run_to(Stage::kEmergency, 1s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kSoftwareOverVoltage));
+}
+
+TEST(ToshibaMcuProtection, SwOvercurrentTripsOnWhatTheLoadDraws) {
+  Rig rig;
+  rig.change(&ChannelSettings::over_current, {900});
+  Load load;
+  load.inertia_kgm2 = 2e-5;
+  rig.axis_of().set_load(load);
+  rig.change(&ChannelSettings::iq_start, {700, -3});
+  rig.run_up(2000, 5s);
+  ASSERT_EQ(rig.channel().stage(), Stage::kFoc);
+  for (double torque = 0; torque < 0.05 && rig.channel().stage() == Stage::kFoc; torque += 1e-3) {
+    rig.set_brake(torque);
+    rig.run_for(50ms);
+  }
+  EXPECT_EQ(rig.channel().stage(), Stage::kEmergency);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kSoftwareOverCurrent));
+}
+
+TEST(ToshibaMcuProtection, AConverterAtItsEndIsTheEmergencyOfTheDriverBlock) {
+  Rig rig;
+  rig.change(&ChannelSettings::current_gain, {5});  // 10 times: a_max 0.79 A, below IqStart
+  rig.board().start();
+  rig.run_to(Stage::kEmergency, 1s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kEmergency));
+}
+
+TEST(ToshibaMcuProtection, AStallWithoutRestartStaysStoppedWithItsBit) {
+  Rig rig;
+  rig.change(&ChannelSettings::over_current, {0});
+  rig.change(&ChannelSettings::restart_mode, {0});
+  rig.run_up(2000);
+  rig.set_brake(1);
+  rig.run_to(Stage::kStop, 2s);
+  rig.run_for(2s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kStall));
+  rig.set_brake(0);
+  rig.run_up(1000, 3s);
+  EXPECT_EQ(rig.channel().errors(), 0U) << "a start clears it";
+}
+
+TEST(ToshibaMcuProtection, ARotorLockedFromTheStartIsAStall) {
+  Rig rig;
+  rig.change(&ChannelSettings::restart_mode, {0});
+  rig.set_brake(1);
+  rig.board().set_speed_rpm(1000);
+  rig.board().start();
+  rig.run_to(Stage::kFoc, 2s);
+  EXPECT_LE(rig.run_to(Stage::kStop, 2s), 1s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kStall));
+}
+
+// --- Board settings ------------------------------------------------------------------------------
+
+TEST(ToshibaMcuBoardSettings, EachMeasurementTypeRunsTheMotor) {
+  for (const std::int32_t type : {1, 2, 3}) {
+    Rig rig;
+    rig.change(&ChannelSettings::measurement_type, {type});
+    rig.run_up(2000);
+    EXPECT_NEAR(rig.speed_rpm(), 2000, 10) << type;
+    EXPECT_NEAR(rig.channel().current_ma(), 120, 20);
+    EXPECT_EQ(rig.channel().errors(), 0U);
+  }
+}
+
+TEST(ToshibaMcuBoardSettings, AGainRefinesTheCurrentsOfTheSameMotor) {
+  Rig rig;
+  rig.change(&ChannelSettings::current_gain, {1});
+  rig.change(&ChannelSettings::pi_id_kp, {100});  // registers count in a_max, which is halved
+  rig.run_up(2000);
+  EXPECT_NEAR(rig.channel().scaling().full_scale_a, 2.5 / 0.316 / 2, 1e-9);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 10);
+  EXPECT_NEAR(rig.channel().current_ma(), 120, 15);
+}
+
+TEST(ToshibaMcuBoardSettings, AWrongSensitivityFoolsTheDrive) {
+  Rig rig;
+  rig.change(&ChannelSettings::voltage_sensitivity, {182, -3});  // twice the board's
+  EXPECT_NEAR(rig.board().bus_v(), 12, 0.1);
+  rig.board().start();
+  rig.run_to(Stage::kEmergency, 1s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kSoftwareUnderVoltage));
+}
+
+TEST(ToshibaMcuBoardSettings, ReversedSensorsCannotControlACurrent) {
+  Rig rig;
+  rig.change(&ChannelSettings::sensor_direction, {1});
+  rig.board().set_speed_rpm(1000);
+  rig.board().start();
+  EXPECT_TRUE(rig.loop.run_until(rig.loop.now() + 2s,
+                                 [&] { return rig.channel().stage() == Stage::kEmergency; }));
+}
+
 // --- Side by side --------------------------------------------------------------------------------
 
 TEST(ToshibaMcuFirmware, ThreeMotorsRunAtOnceAtTheirOwnSpeeds) {

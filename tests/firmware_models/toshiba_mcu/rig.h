@@ -41,6 +41,12 @@ class Rig {
     settings.*setting = value;
     board().set_settings(settings);
   }
+  template <class T>
+  void set_input(T BoardInputs::* input, T value) {
+    BoardInputs inputs = board().inputs();
+    inputs.*input = value;
+    board().set_inputs(inputs);
+  }
   /// Starts channel 1 and runs until it has the speed.
   void run_up(std::int32_t rpm, SimDuration time = std::chrono::milliseconds(3500)) {
     board().set_speed_rpm(rpm);
