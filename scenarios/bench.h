@@ -25,7 +25,7 @@ namespace virtdrive {
 
 struct BenchOptions {
   std::string drive;
-  std::string motor;  // empty: the drive's default
+  std::string motor;  // a name or a file's path; empty: the drive's default
   std::string load = "none";
   LineTiming line = LineTiming::kReal;
   std::optional<int> baud;  // none: the drive's default
@@ -58,7 +58,7 @@ class Bench {
   void apply_due_load_steps();
 
   const DriveKind& kind_;
-  const Motor& motor_;
+  const Motor motor_;
   Seed seed_;
   EventLoop loop_;
   SerialLine line_;
