@@ -24,14 +24,13 @@ struct YamlNode {
 
   Kind kind = Kind::kNothing;
   YamlPosition position;
-  std::string text;                                // kPlain, kQuoted
-  std::vector<Key> keys;                           // kMap: one for each child
+  std::string text;                                 // kPlain, kQuoted
+  std::vector<Key> keys;                            // kMap: one for each child
   std::vector<std::unique_ptr<YamlNode>> children;  // kList, kMap
 
   const YamlNode* find(std::string_view key) const {
     const auto it = std::ranges::find(keys, key, &Key::text);
-    return it == keys.end() ? nullptr
-                            : children[static_cast<std::size_t>(it - keys.begin())].get();
+    return it == keys.end() ? nullptr : children[static_cast<std::size_t>(it - keys.begin())].get();
   }
 };
 
@@ -130,7 +129,10 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     auto node = std::make_unique<YamlNode>();
     node->kind = kind;
-    node->position = at;
+    // Nothing has no place of its own: the parser tells that of what comes next.
+    node->position = kind == Kind::kNothing && parent != nullptr && parent->kind == Kind::kMap
+                         ? parent->keys.back().position
+                         : at;
     node->text = std::move(text);
     YamlNode* const added = node.get();
     if (parent != nullptr) {
@@ -252,7 +254,8 @@ double YamlValue::number(const NumberRange& range) const {
     fail(fmt::format("{}: {} has a leading zero, which YAML takes for octal; leave it out", name_,
                      shown(node_->text)));
   }
-  if (!range.contains(value)) fail(fmt::format("{} is {}; expected {}", name_, node_->text, bounds));
+  if (!range.contains(value))
+    fail(fmt::format("{} is {}; expected {}", name_, node_->text, bounds));
   return value;
 }
 
@@ -287,10 +290,10 @@ std::vector<YamlValue> YamlValue::list(std::size_t least, std::size_t most) cons
   if (node_->kind != Kind::kList) expected("a list");
   const std::size_t size = node_->children.size();
   if (size < least || size > most) {
-    const std::string wanted =
-        least == most ? fmt::format("{}", least)
-        : most == std::numeric_limits<std::size_t>::max() ? fmt::format("{} or more", least)
-                                                          : fmt::format("{} ... {}", least, most);
+    const std::string wanted = least == most ? fmt::format("{}", least)
+                               : most == std::numeric_limits<std::size_t>::max()
+                                   ? fmt::format("{} or more", least)
+                                   : fmt::format("{} ... {}", least, most);
     fail(fmt::format("{}: {} values; expected {}", name_, size, wanted));
   }
   std::vector<YamlValue> values;

@@ -183,8 +183,7 @@ class Sheet {
   void check_groups() const {
     for (const MotorKey& first : key_table()) {
       if (!first.with.empty() && has(first.name) && !has(first.with)) {
-        map_.fail_at_key(first.name,
-                         fmt::format("{} needs {} beside it", first.name, first.with));
+        map_.fail_at_key(first.name, fmt::format("{} needs {} beside it", first.name, first.with));
       }
       if (first.group.empty()) continue;
       std::string choices;
@@ -211,9 +210,8 @@ class Sheet {
 std::string read_name(const Sheet& sheet) {
   constexpr std::size_t kMost = 40;
   std::string name = sheet["name"].text(kMost);
-  const bool good = std::ranges::all_of(name, [](unsigned char c) {
-    return std::islower(c) || std::isdigit(c) || c == '-';
-  });
+  const bool good = std::ranges::all_of(
+      name, [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '-'; });
   if (!good) sheet["name"].fail("name: expected lower-case letters, digits and hyphens only");
   return name;
 }

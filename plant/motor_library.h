@@ -1,7 +1,8 @@
 // Motors by name or from a file, each with where its numbers come from.
 //
-//   const Motor motor = find_motor("db42s03");           // of the library: data/motors/db42s03.yaml
-//   const Motor mine = find_motor("bench/my_motor.yaml");  // a copy that was edited
+//   const Motor motor = find_motor("db42s03");           // of the library:
+//   data/motors/db42s03.yaml const Motor mine = find_motor("bench/my_motor.yaml");  // a copy that
+//   was edited
 //
 // What a file may say: plant/motor_file.h and docs/motors.md.
 #pragma once
@@ -30,7 +31,7 @@ struct MotorRating {
   double peak_current_a = 0;                        // for a short time
   double speed_rpm = 0;
   double torque_nm = 0;
-  double power_w = 0;           // at the shaft
+  double power_w = 0;            // at the shaft
   double maximum_speed_rpm = 0;  // what the rotor bears
 };
 

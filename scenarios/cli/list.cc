@@ -28,7 +28,8 @@ int list_motors() {
     fmt::print(kRow, motor.name, "pmsm", or_none(rated.voltage_v), or_none(rated.current_a),
                or_none(rated_power_w(rated)), or_none(rated.speed_rpm), motor.description);
     const bool cut = motor.source.size() > kSourceWidth;
-    fmt::print(kRow, "", "", "", "", "", "", motor.source.substr(0, kSourceWidth) + (cut ? " ..." : ""));
+    fmt::print(kRow, "", "", "", "", "", "",
+               motor.source.substr(0, kSourceWidth) + (cut ? " ..." : ""));
   }
   fmt::print("\n'virtdrive motor NAME' tells all of one; --motor takes a name or a file's path.\n");
   return kExitOk;

@@ -75,7 +75,8 @@ void add_run(CLI::App& app, std::function<int()>& action) {
                    "real: character times and the drive's latency; ideal: none")
       ->check(CLI::IsMember({"real", "ideal"}))
       ->capture_default_str();
-  command->add_option("--motor", bench.motor, "The motor: see 'virtdrive list motors'");
+  command->add_option("--motor", bench.motor,
+                      "The motor: a name of 'virtdrive list motors', or a YAML file's path");
   command->add_option("--load", bench.load, kLoadHelp)->check(not_empty())->capture_default_str();
   command
       ->add_option("--rate", words->rate, "Simulated seconds per second (0.001 ... 1000), or max")
@@ -156,6 +157,23 @@ void add_list(CLI::App& app, std::function<int()>& action) {
   of_drive("parameters", "A drive's parameters, for --set", list_parameters);
 }
 
+void add_motor(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command =
+      app.add_subcommand("motor", "Show, check or plot a motor of the library or of a file");
+  auto options = std::make_shared<MotorOptions>();
+  command->add_option("MOTOR", options->motor,
+                      "A name of 'virtdrive list motors', or a file's path");
+  command
+      ->add_option("--plot", options->plot,
+                   "Write torque, power and current over speed and the efficiency map to this SVG")
+      ->check(not_empty());
+  command->add_flag("--check", options->check, "Only say whether the file is good");
+  command->add_flag("--json", options->json, "The set with its derived constants as JSON");
+  command->add_flag("--schema", options->schema, "Print the JSON schema of motor files");
+  command->add_flag("--keys", options->keys, "Print the keys of motor files as a Markdown table");
+  command->callback([options, &action] { action = [options] { return motor(*options); }; });
+}
+
 void add_document(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("document", "Print a drive's protocol as a Markdown page");
   auto drive = std::make_shared<std::string>();
@@ -193,6 +211,7 @@ int run_program(int argc, char** argv) {
   add_run(app, action);
   add_demo(app, action);
   add_list(app, action);
+  add_motor(app, action);
   add_document(app, action);
   check_command(app, argc, argv);
   try {
