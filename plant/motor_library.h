@@ -1,27 +1,63 @@
-// Motors by name, each with where its numbers come from.
+// Motors by name or from a file, each with where its numbers come from.
+//
+//   const Motor motor = find_motor("db42s03");           // of the library:
+//   data/motors/db42s03.yaml const Motor mine = find_motor("bench/my_motor.yaml");  // a copy that
+//   was edited
+//
+// What a file may say: plant/motor_file.h and docs/motors.md.
 #pragma once
 
-#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "plant/mechanics.h"
 #include "plant/pmsm.h"
 
 namespace virtdrive {
 
-struct Motor {
-  std::string_view name;         // lower case
-  std::string_view description;  // one line
-  double rated_voltage_v;        // DC link, unless the description says otherwise
-  PmsmParameters electrical;     // holds the rated current
-  MechanicsParameters mechanics;
-  std::string_view source;
-  std::string_view assumed;  // what no source gives; "" if nothing is
+/// How a data sheet counts a current.
+enum class CurrentRating {
+  kPeak,  // peak of a sinusoidal phase current
+  kRms,   // its rms value
+  kDc,    // of block commutation: what flows in the supply at full duty
 };
 
-std::span<const Motor> motor_library();
+/// As the data sheet prints it; 0: not told.
+struct MotorRating {
+  double voltage_v = 0;  // of the DC link
+  double current_a = 0;
+  CurrentRating counted_as = CurrentRating::kPeak;  // both currents
+  double peak_current_a = 0;                        // for a short time
+  double speed_rpm = 0;
+  double torque_nm = 0;
+  double power_w = 0;            // at the shaft
+  double maximum_speed_rpm = 0;  // what the rotor bears
+};
 
-/// Throws SetupError with the nearest names for an unknown one.
-const Motor& find_motor(std::string_view name);
+struct Motor {
+  std::string name;         // lower case
+  std::string description;  // one line
+  MotorRating rating;
+  PmsmParameters electrical;  // holds the rated current too
+  MechanicsParameters mechanics;
+  std::string source;
+  std::string assumed;  // what no source gives; "" if nothing is
+};
+
+/// All built-in motors, in the order of their names.
+std::vector<Motor> motor_library();
+std::vector<std::string_view> motor_names();
+
+/// A built-in motor, or one from a file: what ends in .yaml or .yml or has a slash in it is a path.
+/// SetupError with the nearest names for an unknown one, with file, line and column for a bad file.
+Motor find_motor(std::string_view name_or_path);
+
+/// The peak of the phase current whose torque and loss a rated current stands for: sqrt(2) of an
+/// rms value; of a block current (two phases, 120 degrees) the fundamental, 2 sqrt(3) / pi.
+double phase_peak_a(double current_a, CurrentRating counted_as);
+
+/// Of the rating: told, or torque times speed; 0 if neither is known.
+double rated_power_w(const MotorRating& rating);
 
 }  // namespace virtdrive

@@ -15,17 +15,17 @@ constexpr double kRpmPerRadps = 30 / std::numbers::pi;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<const Motor*> motors_of(const DriveSpec& spec, const DriveKind& kind) {
+std::vector<Motor> motors_of(const DriveSpec& spec, const DriveKind& kind) {
   const std::size_t given = spec.motors.size();
   if (given > 1 && given != kind.channels) {
     throw SetupError(fmt::format("{} motors for {}: it has {} channels; name one, or one each",
                                  given, kind.name, kind.channels));
   }
-  std::vector<const Motor*> motors;
+  std::vector<Motor> motors;
   for (std::size_t i = 0; i < kind.channels; ++i) {
-    motors.push_back(&find_motor(given == 0   ? kind.default_motor
-                                 : given == 1 ? spec.motors.front()
-                                              : spec.motors[i]));
+    motors.push_back(find_motor(given == 0   ? kind.default_motor
+                                : given == 1 ? std::string_view(spec.motors.front())
+                                             : spec.motors[i]));
   }
   return motors;
 }

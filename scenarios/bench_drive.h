@@ -21,7 +21,7 @@ struct DriveSpec {
   std::string kind;  // see drive_catalogue()
   std::string name;  // goes before its signals' names; only one drive of a bench needs none
   std::string line;  // empty: the bench's first
-  std::vector<std::string> motors;  // one for all channels or one each; empty: the kind's default
+  std::vector<std::string> motors;  // names or files; one for all channels or one each; empty: the kind's default
   std::string load = "none";        // see parse_load()
   std::vector<std::string> set;     // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
   std::string nvm;                  // file of the non-volatile memory; empty: kept in the process
@@ -47,7 +47,7 @@ class BenchDrive {
 
   const std::string& name() const { return name_; }
   const DriveKind& kind() const { return kind_; }
-  const Motor& motor(std::size_t channel) const { return *motors_[channel]; }
+  const Motor& motor(std::size_t channel) const { return motors_[channel]; }
   std::size_t channels() const { return motors_.size(); }
   SerialLine& line() { return line_; }
   Drive& controller() { return *drive_; }
@@ -74,7 +74,7 @@ class BenchDrive {
   SerialLine& line_;
   LineEnd& line_end_;
   Seed seed_;
-  std::vector<const Motor*> motors_;  // one a channel
+  std::vector<Motor> motors_;  // one a channel
   std::unique_ptr<NonVolatileMemory> memory_;
   std::unique_ptr<Drive> drive_;
   bool powered_ = true;

@@ -29,7 +29,7 @@ struct DriveContext {
   SerialPort& port;  // its transmitter
   const Seed& seed;
   NonVolatileMemory& memory;
-  std::span<const Motor* const> motors;  // one a channel
+  std::span<const Motor> motors;  // one a channel
   Integrator integrator = Integrator::kDefault;
   bool ideal_line = false;  // answers at once
   bool lenient = false;

@@ -2,7 +2,7 @@
 # Sourced by bash with the repository's root as working directory. Speaks on standard error.
 
 readonly PACKAGES_RUN="ca-certificates ccache cmake g++ libboost-dev libcli11-dev libfmt-dev \
-libmatio-dev libsundials-dev ninja-build nlohmann-json3-dev"
+libmatio-dev libsundials-dev libyaml-cpp-dev ninja-build nlohmann-json3-dev"
 readonly PACKAGES_TEST="libbenchmark-dev libeigen3-dev libgtest-dev picocom python3 python3-serial socat"
 readonly PACKAGES_CHECK="clang-19 clang-format-19 libclang-rt-19-dev llvm-19"
 

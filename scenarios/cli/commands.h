@@ -36,6 +36,16 @@ struct DemoOptions {
 };
 int demo(const DemoOptions& options);
 
+struct MotorOptions {
+  std::string motor;  // a name or a file's path
+  std::string plot;   // SVG file; empty: none
+  bool check = false;
+  bool json = false;
+  bool schema = false;  // of motor files, instead
+  bool keys = false;    // the same as a Markdown table
+};
+int motor(const MotorOptions& options);
+
 int list_drives(bool names_only);
 int list_motors();
 int list_signals(const std::string& drive);

@@ -29,17 +29,19 @@ int list_drives(bool names_only) {
 }
 
 int list_motors() {
+  constexpr std::string_view kRow = "{:<15} {:<5} {:>6} {:>6} {:>6} {:>6}  {}\n";
+  constexpr std::size_t kSourceWidth = 72;
+  const auto or_none = [](double value) { return value > 0 ? fmt::format("{:.4g}", value) : "-"; };
+  fmt::print(kRow, "name", "kind", "V", "A", "W", "rpm", "what and source");
   for (const Motor& motor : motor_library()) {
-    fmt::print("{:<14} {}\n", motor.name, motor.description);
-    const PmsmParameters& e = motor.electrical;
-    fmt::print(
-        "{:<14} {} V, {} A, {} pole pairs, R {} Ohm, Ld {} mH, Lq {} mH, psi {} mWb, J {} kg m2\n",
-        "", motor.rated_voltage_v, e.rated_current_a, e.pole_pairs, e.resistance_ohm,
-        e.inductance_d_h * 1e3, e.inductance_q_h * 1e3, e.flux_wb * 1e3,
-        motor.mechanics.inertia_kgm2);
-    fmt::print("{:<14} source: {}\n", "", motor.source);
-    if (!motor.assumed.empty()) fmt::print("{:<14} assumed: {}\n", "", motor.assumed);
+    const MotorRating& rated = motor.rating;
+    fmt::print(kRow, motor.name, "pmsm", or_none(rated.voltage_v), or_none(rated.current_a),
+               or_none(rated_power_w(rated)), or_none(rated.speed_rpm), motor.description);
+    const bool cut = motor.source.size() > kSourceWidth;
+    fmt::print(kRow, "", "", "", "", "", "",
+               motor.source.substr(0, kSourceWidth) + (cut ? " ..." : ""));
   }
+  fmt::print("\n'virtdrive motor NAME' tells all of one; --motor takes a name or a file's path.\n");
   return kExitOk;
 }
 

@@ -79,7 +79,8 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->capture_default_str();
   command
       ->add_option("--motor", drive.motors,
-                   "The motor, or one a channel (A,B,C): see 'virtdrive list motors'")
+                   "The motor, or one a channel (A,B,C): a name of 'virtdrive list motors', or the path "
+                   "of a YAML file")
       ->delimiter(',');
   command->add_option("--load", drive.load, kLoadHelp)->check(not_empty())->capture_default_str();
   command
@@ -162,6 +163,23 @@ void add_list(CLI::App& app, std::function<int()>& action) {
   of_drive("parameters", "A drive's parameters, for --set", list_parameters);
 }
 
+void add_motor(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command =
+      app.add_subcommand("motor", "Show, check or plot a motor of the library or of a file");
+  auto options = std::make_shared<MotorOptions>();
+  command->add_option("MOTOR", options->motor,
+                      "A name of 'virtdrive list motors', or a file's path");
+  command
+      ->add_option("--plot", options->plot,
+                   "Write torque, power and current over speed and the efficiency map to this SVG")
+      ->check(not_empty());
+  command->add_flag("--check", options->check, "Only say whether the file is good");
+  command->add_flag("--json", options->json, "The set with its derived constants as JSON");
+  command->add_flag("--schema", options->schema, "Print the JSON schema of motor files");
+  command->add_flag("--keys", options->keys, "Print the keys of motor files as a Markdown table");
+  command->callback([options, &action] { action = [options] { return motor(*options); }; });
+}
+
 void add_document(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("document", "Print a drive's protocol as a Markdown page");
   auto drive = std::make_shared<std::string>();
@@ -199,6 +217,7 @@ int run_program(int argc, char** argv) {
   add_run(app, action);
   add_demo(app, action);
   add_list(app, action);
+  add_motor(app, action);
   add_document(app, action);
   check_command(app, argc, argv);
   try {

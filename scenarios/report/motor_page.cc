@@ -1,0 +1,477 @@
+#include "scenarios/report/motor_page.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+#include <iterator>
+#include <numbers>
+#include <vector>
+
+#include "plant/motor_curves.h"
+#include "scenarios/report/svg_plot.h"
+
+namespace virtdrive {
+namespace {
+
+constexpr double kRpmPerRadps = 30 / std::numbers::pi;
+
+// Pixels.
+constexpr double kWidth = 960;
+constexpr double kMargin = 24;
+constexpr double kLeft = 74;  // of a plot, for its numbers
+constexpr double kHalf = (kWidth - 2 * kMargin) / 2;
+constexpr double kTorqueHeight = 240;
+constexpr double kSmallHeight = 170;
+constexpr double kMapHeight = 290;
+constexpr double kGap = 74;                 // between a plot and the next one's frame
+constexpr double kCell = 2;                 // of the map as drawn
+constexpr double kNodeX = 8, kNodeY = 5.8;  // between two computed points of it
+constexpr int kSpeeds = 240;
+
+// Colours stand in the file: whoever shows it need not know style variables.
+constexpr std::string_view kStyle = R"(
+.page { fill: #ffffff }
+text { font: 12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif; fill: #5b6675 }
+.title { font-size: 22px; font-weight: 600; fill: #1c2430 }
+.head { font-size: 14px; font-weight: 600; fill: #1c2430 }
+.value { font-size: 14px; fill: #1c2430 }
+.grid, .axis, .line, .mark { fill: none; stroke-width: 1 }
+.grid { stroke: #e8ebef }
+.axis { stroke: #aab2bd }
+.line { stroke-width: 2; stroke-linejoin: round }
+.mark { stroke: #5b6675; stroke-dasharray: 3 3 }
+.dashed { stroke-dasharray: 6 4 }
+.blue { stroke: #1f6fd6 } .orange { stroke: #d9630f } .green { stroke: #1f8a4c }
+.fill-blue { fill: #1f6fd6; fill-opacity: .16 } .fill-orange { fill: #d9630f; fill-opacity: .10 }
+.rated { fill: #ffffff; stroke: #1c2430; stroke-width: 2 }
+.rim { stroke: #1c2430; stroke-width: 1.5; fill: none }
+@media (prefers-color-scheme: dark) {
+  .page { fill: #14181e }
+  text { fill: #98a3b1 }
+  .title, .head, .value { fill: #e4e8ee }
+  .grid { stroke: #262d36 }
+  .axis { stroke: #55606d }
+  .rated { fill: #14181e; stroke: #e4e8ee }
+  .rim { stroke: #e4e8ee }
+}
+)";
+
+// Efficiency in bands, each with the colour that begins at its lower end: equal steps of viridis.
+struct Band {
+  double from;  // %
+  std::string_view color;
+};
+constexpr auto kBands = std::to_array<Band>({{0, "#440154"},
+                                             {30, "#481b6d"},
+                                             {50, "#46327e"},
+                                             {60, "#3f4788"},
+                                             {70, "#365c8d"},
+                                             {75, "#2e6e8e"},
+                                             {80, "#277f8e"},
+                                             {85, "#21918c"},
+                                             {88, "#1fa187"},
+                                             {90, "#2db27d"},
+                                             {92, "#4ac16d"},
+                                             {94, "#73d056"},
+                                             {95, "#a0da39"},
+                                             {96, "#d0e11c"},
+                                             {97, "#fde725"},
+                                             {98, "#fff7b0"}});
+
+std::size_t band_of(double efficiency) {
+  std::size_t band = 0;
+  while (band + 1 < kBands.size() && efficiency * 100 >= kBands[band + 1].from) ++band;
+  return band;
+}
+
+template <typename... Args>
+void put(std::string& svg, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(svg), format, std::forward<Args>(args)...);
+}
+
+struct Axis {
+  double maximum;
+  double step;
+};
+
+// From 0 up to a round number; of a motor that can do nothing, up to 1.
+Axis axis_up_to(double maximum, int ticks) {
+  if (!(maximum > 0)) maximum = 1;
+  const double step = axis_ticks(0, maximum, ticks).step;
+  return {std::ceil(maximum / step - 1e-9) * step, step};
+}
+
+struct Frame {
+  double left, top, width, height;
+  Axis x, y;
+
+  double px(double value) const { return left + width * value / x.maximum; }
+  double py(double value) const { return top + height * (1 - value / y.maximum); }
+};
+
+void put_axes(std::string& svg, const Frame& f, std::string_view y_unit) {
+  for (double v = 0; v <= f.y.maximum * (1 + 1e-9); v += f.y.step) {
+    put(svg,
+        "<path class=\"{}\" d=\"M{:.1f} {:.1f}h{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"end\">{}</text>\n",
+        v == 0 ? "axis" : "grid", f.left, f.py(v), f.width, f.left - 8, f.py(v) + 4,
+        tick_label(v, f.y.step));
+  }
+  for (double v = 0; v <= f.x.maximum * (1 + 1e-9); v += f.x.step) {
+    put(svg,
+        "<path class=\"{}\" d=\"M{:.1f} {:.1f}v{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"middle\">{}</text>\n",
+        v == 0 ? "axis" : "grid", f.px(v), f.top, f.height, f.px(v), f.top + f.height + 17,
+        tick_label(v, f.x.step));
+  }
+  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">rpm</text>\n", f.left + f.width,
+      f.top + f.height + 32);
+  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", f.left - 8, f.top - 8,
+      y_unit);
+}
+
+void put_heading(std::string& svg, const Frame& f, std::string_view text) {
+  put(svg, "<text class=\"head\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", f.left, f.top - 26, text);
+}
+
+struct Key {
+  std::string_view line;  // classes
+  std::string text;
+};
+void put_keys(std::string& svg, const Frame& f, const std::vector<Key>& keys) {
+  double x = f.left;
+  for (const Key& key : keys) {
+    put(svg,
+        "<path class=\"line {}\" d=\"M{:.1f} {:.1f}h20\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}"
+        "</text>\n",
+        key.line, x, f.top - 12, x + 26, f.top - 8, key.text);
+    x += 26 + 6.6 * static_cast<double>(key.text.size()) + 18;
+  }
+}
+
+using Curve = std::vector<OperatingPoint>;
+using Value = std::function<double(const OperatingPoint&)>;
+
+double torque_of(const OperatingPoint& point) {
+  return std::max(0.0, point.torque_nm);
+}
+
+std::string path_of(const Frame& f, const Curve& curve, const Value& value) {
+  std::string path;
+  for (const OperatingPoint& point : curve) {
+    put(path, "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', f.px(point.speed_radps * kRpmPerRadps),
+        f.py(value(point)));
+  }
+  return path;
+}
+
+std::string area_of(const Frame& f, const Curve& curve) {
+  if (curve.empty()) return {};
+  return path_of(f, curve, torque_of) + fmt::format("L{:.1f} {:.1f}L{:.1f} {:.1f}Z",
+                                                    f.px(curve.back().speed_radps * kRpmPerRadps),
+                                                    f.py(0), f.px(0), f.py(0));
+}
+
+double greatest(const Curve& curve, const Value& value) {
+  double most = 0;
+  for (const OperatingPoint& point : curve) most = std::max(most, value(point));
+  return most;
+}
+
+// The most torque from standstill to where none is left, or the end of the plot.
+Curve envelope(const Motor& motor, const DriveLimits& limits, double last_radps) {
+  Curve curve;
+  for (int i = 0; i <= kSpeeds; ++i) {
+    const auto point = most_torque(motor, limits, last_radps * i / kSpeeds);
+    if (!point || point->torque_nm < 0) break;
+    curve.push_back(*point);
+  }
+  return curve;
+}
+
+class Page {
+ public:
+  explicit Page(const Motor& motor)
+      : motor_(motor),
+        constants_(motor_constants(motor)),
+        has_peak_(motor.rating.peak_current_a > motor.rating.current_a),
+        rated_limits_(limits_of(motor)),
+        outer_limits_(limits_of(motor, true)) {
+    // With a strong field weakening there is no end by itself.
+    constexpr double kWeakening = 2.5, kFastest = 5e4;
+    const double no_load_radps =
+        std::isfinite(constants_.no_load_radps) ? constants_.no_load_radps : constants_.base_radps;
+    double last_radps = std::min(kWeakening * no_load_radps, kFastest);
+    if (motor.rating.maximum_speed_rpm > 0) {
+      last_radps = std::min(last_radps, motor.rating.maximum_speed_rpm / kRpmPerRadps);
+    }
+    outer_ = envelope(motor, outer_limits_, last_radps);
+    if (outer_.size() > 1) last_radps = outer_.back().speed_radps;
+    outer_ = envelope(motor, outer_limits_, last_radps);
+    rated_ = envelope(motor, rated_limits_, last_radps);
+    speed_axis_ = axis_up_to(last_radps * kRpmPerRadps, 12);
+  }
+
+  std::string svg() {
+    std::string body;
+    put_facts(body);
+    put_torque(body);
+    put_power_and_current(body);
+    put_map(body);
+    const double height = y_ + 14;
+    std::string svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1:.0f}\" width=\"{0}\" "
+        "height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n<style>{3}</style>\n"
+        "<rect class=\"page\" width=\"{0}\" height=\"{1:.0f}\"/>\n",
+        kWidth, height, escape_xml(motor_.name), kStyle);
+    return svg + body + "</svg>\n";
+  }
+
+ private:
+  void put_facts(std::string& svg) {
+    put(svg, "<text class=\"title\" x=\"{}\" y=\"40\">{}</text>\n", kMargin,
+        escape_xml(motor_.description));
+    std::string source = motor_.source;
+    constexpr std::size_t kMost = 130;
+    if (source.size() > kMost) source = source.substr(0, kMost) + " ...";
+    put(svg, "<text x=\"{}\" y=\"62\">{}: {}</text>\n", kMargin, escape_xml(motor_.name),
+        escape_xml(source));
+    const MotorRating& r = motor_.rating;
+    const PmsmParameters& e = motor_.electrical;
+    constexpr std::string_view kCounted[] = {"peak", "rms", "DC"};
+    const auto shown = [](double value, std::string_view unit) {
+      return std::isfinite(value) ? fmt::format("{:.4g} {}", value, unit) : std::string("none");
+    };
+    const std::array<std::pair<std::string, std::string>, 12> facts = {{
+        {"Rated voltage", fmt::format("{:.4g} V", r.voltage_v)},
+        {"Rated current",
+         fmt::format("{:.4g} A {}", r.current_a, kCounted[static_cast<std::size_t>(r.counted_as)])},
+        {"Torque at rated current", fmt::format("{:.4g} Nm", constants_.rated_torque_nm)},
+        {"No-load speed", shown(constants_.no_load_radps * kRpmPerRadps, "rpm")},
+        {"Torque constant", fmt::format("{:.4g} Nm/A peak", constants_.torque_constant_nm_per_a)},
+        {"Phase resistance", fmt::format("{:.4g} Ohm", e.resistance_ohm)},
+        {"Inductance d, q",
+         fmt::format("{:.4g}, {:.4g} mH", e.inductance_d_h * 1e3, e.inductance_q_h * 1e3)},
+        {"Pole pairs", fmt::format("{}", e.pole_pairs)},
+        {"Rotor inertia", fmt::format("{:.4g} kg m2", motor_.mechanics.inertia_kgm2)},
+        {"Electrical time constant", shown(constants_.electrical_time_constant_s * 1e3, "ms")},
+        {"Mechanical time constant", shown(constants_.mechanical_time_constant_s * 1e3, "ms")},
+        {"Characteristic current",
+         fmt::format("{:.4g} A peak", constants_.characteristic_current_a)},
+    }};
+    constexpr int kColumns = 4;
+    for (std::size_t i = 0; i < facts.size(); ++i) {
+      const double x =
+          kMargin + static_cast<double>(i % kColumns) * (kWidth - 2 * kMargin) / kColumns;
+      const double y = 92 + static_cast<double>(i / kColumns) * 42;
+      put(svg,
+          "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text><text class=\"value\" x=\"{:.1f}\" "
+          "y=\"{:.1f}\">{}</text>\n",
+          x, y, facts[i].first, x, y + 18, facts[i].second);
+    }
+    y_ = 92 + 42 * 3 + 46;
+  }
+
+  std::string at_current(const DriveLimits& limits) const {
+    return fmt::format("{:.4g} A peak of a phase", limits.current_a);
+  }
+
+  void put_rated_point(std::string& svg, const Frame& f) const {
+    const MotorRating& r = motor_.rating;
+    double torque_nm = r.torque_nm;
+    if (torque_nm == 0 && r.power_w > 0 && r.speed_rpm > 0) {
+      torque_nm = r.power_w * kRpmPerRadps / r.speed_rpm;
+    }
+    if (torque_nm == 0 || r.speed_rpm == 0 || r.speed_rpm > f.x.maximum ||
+        torque_nm > f.y.maximum) {
+      return;
+    }
+    put(svg,
+        "<circle class=\"rated\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"><title>Rated: {:.4g} Nm at "
+        "{:.4g} rpm</title></circle>\n",
+        f.px(r.speed_rpm), f.py(torque_nm), torque_nm, r.speed_rpm);
+  }
+
+  void put_torque(std::string& svg) {
+    const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft,
+                  kTorqueHeight,   speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
+    put_heading(svg, f, "Torque over speed");
+    std::vector<Key> keys = {{"blue", "rated current: " + at_current(rated_limits_)}};
+    if (has_peak_) keys.push_back({"orange", "for a short time: " + at_current(outer_limits_)});
+    put_keys(svg, f, keys);
+    put_axes(svg, f, "Nm");
+    if (has_peak_) {
+      put(svg, "<path class=\"fill-orange\" d=\"{}\"/>\n", area_of(f, outer_));
+      put(svg, "<path class=\"line orange\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
+    }
+    put(svg, "<path class=\"fill-blue\" d=\"{}\"/>\n", area_of(f, rated_));
+    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(f, rated_, torque_of));
+    const double no_load_rpm = constants_.no_load_radps * kRpmPerRadps;
+    if (no_load_rpm <= f.x.maximum) {
+      const bool right = f.px(no_load_rpm) < f.left + f.width * 0.8;
+      put(svg,
+          "<path class=\"mark\" d=\"M{:.1f} {:.1f}v{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+          "text-anchor=\"{}\">no load, id = 0</text>\n",
+          f.px(no_load_rpm), f.top, f.height, f.px(no_load_rpm) + (right ? 6 : -6), f.top + 14,
+          right ? "start" : "end");
+    }
+    put_rated_point(svg, f);
+    y_ += kTorqueHeight + kGap;
+  }
+
+  void put_power_and_current(std::string& svg) {
+    const auto power = [](const OperatingPoint& p) { return std::max(0.0, p.output_w); };
+    const double most_w = greatest(outer_, power);
+    const bool kilowatts = most_w >= 2000;
+    const double per_unit = kilowatts ? 1e-3 : 1;
+    const auto shown_power = [&](const OperatingPoint& p) { return power(p) * per_unit; };
+    const Axis speed = axis_up_to(speed_axis_.maximum, 6);
+    const double width = kHalf - kLeft - 8;
+    const Frame left{kMargin + kLeft, y_,    width,
+                     kSmallHeight,    speed, axis_up_to(most_w * per_unit * 1.02, 6)};
+    put_heading(svg, left, "Power at the shaft");
+    put_axes(svg, left, kilowatts ? "kW" : "W");
+    if (has_peak_) {
+      put(svg, "<path class=\"line orange\" d=\"{}\"/>\n", path_of(left, outer_, shown_power));
+    }
+    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(left, rated_, shown_power));
+
+    const double bus_v = motor_.rating.voltage_v;
+    const Value phase = [](const OperatingPoint& p) { return p.current_peak_a(); };
+    const Value link = [bus_v](const OperatingPoint& p) {
+      return std::max(0.0, p.input_w) / bus_v;
+    };
+    const double most_a = std::max(greatest(rated_, phase), greatest(rated_, link));
+    const Frame right{kMargin + kHalf + kLeft + 8, y_, width, kSmallHeight, speed,
+                      axis_up_to(most_a * 1.05, 6)};
+    put_heading(svg, right, "Current at the rated limit");
+    put_keys(svg, right, {{"blue", "phase, peak"}, {"green dashed", "DC link"}});
+    put_axes(svg, right, "A");
+    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(right, rated_, phase));
+    put(svg, "<path class=\"line green dashed\" d=\"{}\"/>\n", path_of(right, rated_, link));
+    y_ += kSmallHeight + kGap;
+  }
+
+  void put_map(std::string& svg) {
+    constexpr double kScale = 92;  // for the colours' key
+    const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft - kScale,
+                  kMapHeight,      speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
+    put_heading(svg, f, "Efficiency: shaft power over electrical power, copper and friction");
+    put_axes(svg, f, "Nm");
+    put(svg, "<clipPath id=\"reach\"><path d=\"{}\"/></clipPath>\n<g clip-path=\"url(#reach)\">\n",
+        area_of(f, outer_));
+    const OperatingPoint best = put_cells(svg, f);
+    svg += "</g>\n";
+    if (has_peak_) {
+      put(svg, "<path class=\"rim dashed\" d=\"{}\"/>\n", path_of(f, rated_, torque_of));
+    }
+    put(svg, "<path class=\"rim\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
+    put_rated_point(svg, f);
+    put_scale(svg, f, band_of(best.efficiency()));
+    put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\">best {:.1f} % at {:.3g} Nm, {:.0f} rpm{}{}</text>\n",
+        f.left, f.top + f.height + 34, best.efficiency() * 100, best.torque_nm,
+        best.speed_radps * kRpmPerRadps, has_peak_ ? "; dashed: rated current" : "",
+        friction_free() ? "; the set has no friction" : "");
+    y_ += kMapHeight + 40;
+  }
+
+  bool friction_free() const {
+    return motor_.mechanics.coulomb_nm == 0 && motor_.mechanics.viscous_nm_per_radps == 0;
+  }
+
+  // The efficiency at nodes over the frame; a node beyond the reach has that of the rim below it.
+  struct Nodes {
+    int columns, rows;
+    std::vector<double> efficiency;
+    OperatingPoint best;
+
+    double at(double column, double row) const {
+      const int i = std::clamp(static_cast<int>(column), 0, columns - 2);
+      const int k = std::clamp(static_cast<int>(row), 0, rows - 2);
+      const auto node = [&](int x, int y) {
+        return efficiency[static_cast<std::size_t>(y * columns + x)];
+      };
+      return std::lerp(std::lerp(node(i, k), node(i + 1, k), column - i),
+                       std::lerp(node(i, k + 1), node(i + 1, k + 1), column - i), row - k);
+    }
+  };
+
+  Nodes compute_nodes(const Frame& f) const {
+    Nodes nodes{.columns = static_cast<int>(f.width / kNodeX) + 2,
+                .rows = static_cast<int>(f.height / kNodeY) + 2,
+                .efficiency = {},
+                .best = {}};
+    const double last_radps = outer_.empty() ? 0 : outer_.back().speed_radps;
+    nodes.efficiency.resize(static_cast<std::size_t>(nodes.columns * nodes.rows));
+    for (int column = 0; column < nodes.columns; ++column) {
+      const double speed_radps = column * kNodeX / f.width * f.x.maximum / kRpmPerRadps;
+      const auto rim = most_torque(motor_, outer_limits_, speed_radps);
+      const double rim_efficiency = rim ? rim->efficiency() : 0;
+      for (int row = 0; row < nodes.rows; ++row) {
+        const double torque_nm = row * kNodeY / f.height * f.y.maximum;
+        const auto point = least_current(motor_, outer_limits_, torque_nm, speed_radps);
+        if (point && speed_radps <= last_radps && point->efficiency() > nodes.best.efficiency())
+          nodes.best = *point;
+        nodes.efficiency[static_cast<std::size_t>(row * nodes.columns + column)] =
+            point ? point->efficiency() : rim_efficiency;
+      }
+    }
+    return nodes;
+  }
+
+  // A path a band; cells of one band in a row are one rectangle of it. Returns the best point.
+  OperatingPoint put_cells(std::string& svg, const Frame& f) const {
+    const Nodes nodes = compute_nodes(f);
+    std::array<std::string, kBands.size()> paths;
+    const int columns = static_cast<int>(f.width / kCell),
+              rows = static_cast<int>(f.height / kCell);
+    for (int row = 0; row < rows; ++row) {
+      const auto band_at = [&](int column) {
+        return band_of(nodes.at((column + 0.5) * kCell / kNodeX, (row + 0.5) * kCell / kNodeY));
+      };
+      for (int first = 0, next = 0; first < columns; first = next) {
+        const std::size_t band = band_at(first);
+        while (next < columns && band_at(next) == band) ++next;
+        put(paths[band], "M{:.0f} {:.0f}h{:.0f}v{:.0f}h-{:.0f}z", f.left + first * kCell,
+            f.top + f.height - (row + 1) * kCell, (next - first) * kCell, kCell,
+            (next - first) * kCell);
+      }
+    }
+    for (std::size_t band = 0; band < kBands.size(); ++band) {
+      if (paths[band].empty()) continue;
+      put(svg, "<path fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.4\" d=\"{1}\"/>\n",
+          kBands[band].color, paths[band]);
+    }
+    return nodes.best;
+  }
+
+  static void put_scale(std::string& svg, const Frame& f, std::size_t highest) {
+    const double height = std::min(18.0, f.height / static_cast<double>(highest + 1));
+    const double x = f.left + f.width + 26;
+    for (std::size_t band = 0; band <= highest; ++band) {
+      const double y = f.top + f.height - static_cast<double>(band + 1) * height;
+      put(svg,
+          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"{:.1f}\" fill=\"{}\"/>"
+          "<text x=\"{:.1f}\" y=\"{:.1f}\">{} %</text>\n",
+          x, y, height + 0.4, kBands[band].color, x + 24, y + height + 4, kBands[band].from);
+    }
+  }
+
+  const Motor& motor_;
+  MotorConstants constants_;
+  bool has_peak_;
+  DriveLimits rated_limits_, outer_limits_;
+  Curve rated_, outer_;
+  Axis speed_axis_{};
+  double y_ = 0;  // where the next plot's frame begins
+};
+
+}  // namespace
+
+std::string motor_svg(const Motor& motor) {
+  return Page(motor).svg();
+}
+
+}  // namespace virtdrive

@@ -1,0 +1,14 @@
+// A motor's curves on one page: torque, power and current over speed at the rated and the peak
+// current, and the map of efficiency. One SVG that needs nothing else; how the curves are computed:
+// plant/motor_curves.h.
+#pragma once
+
+#include <string>
+
+#include "plant/motor_library.h"
+
+namespace virtdrive {
+
+std::string motor_svg(const Motor& motor);
+
+}  // namespace virtdrive

@@ -1,0 +1,33 @@
+// A motor's file with anything in it: it is read, or refused with a place; what was read is a
+// motor.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "core/check.h"
+#include "plant/motor_curves.h"
+#include "plant/motor_file.h"
+
+namespace virtdrive {
+namespace {
+
+void read(std::string_view text) {
+  try {
+    const Motor motor = parse_motor(YamlFile("fuzz.yaml", text));
+    validate(motor.electrical);
+    validate(motor.mechanics);
+    motor_constants(motor);
+  } catch (const SetupError& error) {
+    const std::string_view message = error.what();
+    VIRTDRIVE_CHECK(message.starts_with("fuzz.yaml:"), "{}", message);
+    VIRTDRIVE_CHECK(message.find('\n') == std::string_view::npos, "{}", message);
+  }
+}
+
+}  // namespace
+}  // namespace virtdrive
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  virtdrive::read({reinterpret_cast<const char*>(data), size});
+  return 0;
+}
