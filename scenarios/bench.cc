@@ -21,8 +21,22 @@ auto& named(Things& things, std::string_view kind, std::string_view name, NameOf
   throw SetupError(unknown_name(kind, name, names));
 }
 
-std::string_view line_of(const DriveSpec& drive, const std::vector<LineSpec>& lines) {
-  return drive.line.empty() ? std::string_view(lines.front().name) : drive.line;
+// The line at a drive's port; "" where none is.
+std::string_view line_at(const DriveSpec& drive, std::size_t port,
+                         const std::vector<LineSpec>& lines) {
+  if (port == 0) return drive.line.empty() ? lines.front().name : drive.line;
+  return port <= drive.other_lines.size() ? std::string_view(drive.other_lines[port - 1]) : "";
+}
+
+// The port of the first drive that is on a line.
+const PortKind& first_port_on(const LineSpec& line, const BenchOptions& options) {
+  for (const DriveSpec& drive : options.drives) {
+    const std::vector<PortKind>& ports = find_drive(drive.kind).ports;
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+      if (line_at(drive, i, options.lines) == line.name) return ports[i];
+    }
+  }
+  throw SetupError(fmt::format("no drive is on line '{}'", line.name));
 }
 
 // How much later a delayed byte begins, until somebody says otherwise.
@@ -77,31 +91,23 @@ Bench::Bench(const BenchOptions& options) : seed_(options.seed) {
   for (const LineSpec& line : options.lines) add_line(line, options);
   for (const DriveSpec& drive : options.drives) add_drive(drive, options);
   registry_.set_scope("");
+  for (const auto& line : lines_) register_line(line->name, line->line);
 }
 
 void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
   for (const auto& other : lines_) {
     if (other->name == spec.name) throw SetupError(fmt::format("two lines named '{}'", spec.name));
   }
-  const auto on_it = [&](const DriveSpec& drive) {
-    return line_of(drive, options.lines) == spec.name;
-  };
-  const auto first = std::ranges::find_if(options.drives, on_it);
-  if (first == options.drives.end()) {
-    throw SetupError(fmt::format("no drive is on line '{}'", spec.name));
-  }
-  const DriveKind& kind = find_drive(first->kind);
-  const Duplex duplex = spec.duplex.value_or(kind.duplex);
+  const PortKind& port = first_port_on(spec, options);
+  const Duplex duplex = spec.duplex.value_or(port.duplex);
   if (spec.echo && duplex != Duplex::kHalf) {
     throw SetupError(fmt::format(
         "line '{}': a host hears itself on a half-duplex line only, and this one is full duplex",
         spec.name));
   }
   lines_.push_back(std::make_unique<NamedLine>(
-      loop_, spec.name,
-      LineSettings{.timing = spec.timing, .baud = spec.baud.value_or(kind.default_baud)},
+      loop_, spec.name, LineSettings{.timing = spec.timing, .baud = spec.baud.value_or(port.baud)},
       LineOptions{.duplex = duplex, .echo = spec.echo, .chance = seed_.stream(spec.name)}));
-  register_line(spec.name, lines_.back()->line);
 }
 
 void Bench::register_line(const std::string& name, SerialLine& line) {
@@ -130,23 +136,32 @@ void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {
       tell(name, event);
     };
   }
-  // A line that is not there is the drive's mistake: say whose.
-  const auto line_named = [&]() -> SerialLine& {
-    try {
-      return line(line_of(spec, options.lines));
-    } catch (const SetupError& error) {
-      throw SetupError(fmt::format("drive '{}': {}", spec.name, error.what()));
-    }
-  };
   drives_.push_back(
       std::make_unique<BenchDrive>(spec, BenchDrive::Surroundings{.loop = loop_,
-                                                                  .line = line_named(),
+                                                                  .lines = lines_of(spec, options),
                                                                   .seed = seed_,
                                                                   .integrator = options.integrator,
                                                                   .listener = std::move(listener),
                                                                   .notes = options.notes}));
   registry_.set_scope(spec.name);
   drives_.back()->register_signals(registry_);
+}
+
+// A line that is not there is the drive's mistake: the error says whose.
+std::vector<SerialLine*> Bench::lines_of(const DriveSpec& spec, const BenchOptions& options) try {
+  const std::vector<PortKind>& ports = find_drive(spec.kind).ports;
+  if (spec.other_lines.size() >= ports.size()) {
+    throw SetupError(fmt::format("{} lines for {}: it has {} ports", spec.other_lines.size() + 1,
+                                 spec.kind, ports.size()));
+  }
+  std::vector<SerialLine*> lines;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const std::string_view name = line_at(spec, i, options.lines);
+    lines.push_back(name.empty() ? nullptr : &line(name));
+  }
+  return lines;
+} catch (const SetupError& error) {
+  throw SetupError(fmt::format("drive '{}': {}", spec.name, error.what()));
 }
 
 BenchDrive& Bench::drive(std::string_view name) {

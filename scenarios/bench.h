@@ -93,6 +93,7 @@ class Bench {
   void add_line(const LineSpec& spec, const BenchOptions& options);
   void register_line(const std::string& name, SerialLine& line);
   void add_drive(const DriveSpec& spec, const BenchOptions& options);
+  std::vector<SerialLine*> lines_of(const DriveSpec& spec, const BenchOptions& options);
 
   Seed seed_;
   EventLoop loop_;

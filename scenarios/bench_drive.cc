@@ -42,26 +42,38 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
     : name_(spec.name),
       kind_(find_drive(spec.kind)),
       loop_(bench.loop),
-      line_(bench.line),
-      line_end_(line_.add_device()),
+      lines_(bench.lines),
       seed_(bench.seed.scope(spec.name)),
       motors_(motors_of(spec, kind_)),
       memory_(open_memory(spec.nvm, kind_.name, bench.notes)),
-      drive_(kind_.make({.loop = bench.loop,
-                         .port = line_end_,
-                         .seed = seed_,
-                         .memory = *memory_,
-                         .motors = motors_,
-                         .integrator = bench.integrator,
-                         .ideal_line = line_.settings().timing == LineTiming::kIdeal,
-                         .lenient = spec.lenient,
-                         .listener = bench.listener,
-                         .notes = bench.notes})),
       load_steps_(parse_load(spec.load, kind_.channels)),
       load_step_(loop_.add(Phase::kScenario, [this] { apply_due_load_steps(); })) {
-  line_end_.attach(drive_->receiver());
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    line_ends_.push_back(lines_[i] == nullptr ? nullptr : &lines_[i]->add_device());
+  }
+  drive_ = make_drive(spec, bench);
+  attach();
   for (const std::string& assignment : spec.set) write(assignment);
   apply_due_load_steps();
+}
+
+std::unique_ptr<Drive> BenchDrive::make_drive(const DriveSpec& spec, const Surroundings& bench) {
+  return kind_.make({.loop = loop_,
+                     .ports = {line_ends_.begin(), line_ends_.end()},
+                     .seed = seed_,
+                     .memory = *memory_,
+                     .motors = motors_,
+                     .integrator = bench.integrator,
+                     .ideal_line = line().settings().timing == LineTiming::kIdeal,
+                     .lenient = spec.lenient,
+                     .listener = bench.listener,
+                     .notes = bench.notes});
+}
+
+void BenchDrive::attach() {
+  for (std::size_t i = 0; i < line_ends_.size(); ++i) {
+    if (line_ends_[i] != nullptr) line_ends_[i]->attach(drive_->receiver(i));
+  }
 }
 
 void BenchDrive::write(const std::string& assignment) {
@@ -75,12 +87,14 @@ void BenchDrive::write(const std::string& assignment) {
 void BenchDrive::power_off() {
   if (!std::exchange(powered_, false)) return;
   drive_->power_off();
-  line_end_.detach();
+  for (LineEnd* const end : line_ends_) {
+    if (end != nullptr) end->detach();
+  }
 }
 
 void BenchDrive::power_on() {
   if (std::exchange(powered_, true)) return;
-  line_end_.attach(drive_->receiver());
+  attach();
   drive_->power_on();
 }
 

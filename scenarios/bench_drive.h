@@ -20,11 +20,13 @@ namespace virtdrive {
 struct DriveSpec {
   std::string kind;  // see drive_catalogue()
   std::string name;  // goes before its signals' names; only one drive of a bench needs none
-  std::string line;  // empty: the bench's first
-  std::vector<std::string> motors;  // names or files; one for all channels or one each; empty: the kind's default
-  std::string load = "none";        // see parse_load()
-  std::vector<std::string> set;     // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
-  std::string nvm;                  // file of the non-volatile memory; empty: kept in the process
+  std::string line;  // of its first port; empty: the bench's first
+  std::vector<std::string> other_lines;  // of its further ports; empty, or missing: no line
+  std::vector<std::string>
+      motors;  // names or files; one for all channels or one each; empty: the kind's default
+  std::string load = "none";     // see parse_load()
+  std::vector<std::string> set;  // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
+  std::string nvm;               // file of the non-volatile memory; empty: kept in the process
   bool lenient = false;
 };
 
@@ -33,7 +35,7 @@ class BenchDrive {
   /// What all drives of a bench share.
   struct Surroundings {
     EventLoop& loop;
-    SerialLine& line;
+    std::vector<SerialLine*> lines;  // one a port of the drive; null where none is
     const Seed& seed;
     Integrator integrator;
     WireListener listener;
@@ -49,7 +51,8 @@ class BenchDrive {
   const DriveKind& kind() const { return kind_; }
   const Motor& motor(std::size_t channel) const { return motors_[channel]; }
   std::size_t channels() const { return motors_.size(); }
-  SerialLine& line() { return line_; }
+  /// Of its first port.
+  SerialLine& line() { return *lines_.front(); }
   Drive& controller() { return *drive_; }
 
   /// Takes the drive's supply away: its gates are off, its program is gone, what it was sending is
@@ -65,14 +68,16 @@ class BenchDrive {
 
  private:
   void register_channel(Registry& registry, std::size_t channel);
+  std::unique_ptr<Drive> make_drive(const DriveSpec& spec, const Surroundings& bench);
+  void attach();
   void write(const std::string& assignment);
   void apply_due_load_steps();
 
   std::string name_;
   const DriveKind& kind_;
   EventLoop& loop_;
-  SerialLine& line_;
-  LineEnd& line_end_;
+  std::vector<SerialLine*> lines_;
+  std::vector<LineEnd*> line_ends_;
   Seed seed_;
   std::vector<Motor> motors_;  // one a channel
   std::unique_ptr<NonVolatileMemory> memory_;

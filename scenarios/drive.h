@@ -26,7 +26,7 @@ namespace virtdrive {
 /// What a drive is built from.
 struct DriveContext {
   EventLoop& loop;
-  SerialPort& port;  // its transmitter
+  std::vector<SerialPort*> ports;  // its transmitters, one a port; null where no line is
   const Seed& seed;
   NonVolatileMemory& memory;
   std::span<const Motor> motors;  // one a channel
@@ -41,8 +41,8 @@ class Drive {
  public:
   virtual ~Drive() = default;
 
-  /// Its end of the line; deaf while there is no power.
-  virtual SerialReceiver& receiver() = 0;
+  /// Its end of the line at one of its ports; deaf while there is no power.
+  virtual SerialReceiver& receiver(std::size_t port) = 0;
   virtual Axis& axis(std::size_t channel) = 0;
 
   /// The controller loses its supply: gates off, the program and all that it had in RAM gone.
@@ -61,14 +61,20 @@ class Drive {
   virtual WireCounters wire_counters() const = 0;
 };
 
+/// A serial port of a drive, and the line that it is made for.
+struct PortKind {
+  std::string_view name;  // as typed
+  int baud;
+  Duplex duplex = Duplex::kFull;
+};
+
 /// An entry of the catalogue.
 struct DriveKind {
   std::string_view name;  // as typed: "toshiba-mcu"
   std::string_view default_motor;
-  int default_baud;
-  Duplex duplex = Duplex::kFull;  // of the line that it is made for
-  std::size_t channels;           // motors that it drives
-  std::size_t default_channel;    // the motor number of the document's examples
+  std::vector<PortKind> ports;  // the first one is that of the host
+  std::size_t channels;         // motors that it drives
+  std::size_t default_channel;  // the motor number of the document's examples
   const protocol::ProtocolTable& table;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
   std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;

@@ -23,7 +23,7 @@ int list_drives(bool names_only) {
       continue;
     }
     fmt::print("{:<14} {}\n", kind.name, kind.table.title);
-    fmt::print("{:<14} motor {}, {} baud\n", "", kind.default_motor, kind.default_baud);
+    fmt::print("{:<14} motor {}, {} baud\n", "", kind.default_motor, kind.ports.front().baud);
   }
   return kExitOk;
 }
@@ -48,7 +48,7 @@ int list_motors() {
 int list_signals(const std::string& drive) {
   const Bench bench({.drives = {{.kind = drive}}});
   for (const Signal& signal : bench.registry().signals()) {
-    fmt::print("{:<22} {:<13} {:<6} {}\n", signal.name, signal.unit,
+    fmt::print("{:<24} {:<13} {:<6} {}\n", signal.name, signal.unit,
                kind_of(signal, bench.registry()), signal.doc);
   }
   return kExitOk;

@@ -52,6 +52,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   CLI::Option* const link =
       command->add_option("--link", options->link, "Make this path a symlink to the terminal")
           ->check(not_empty());
+  command
+      ->add_option("--link2", options->link2,
+                   "A terminal with this link for the drive's second port, where it has one")
+      ->check(not_empty());
   CLI::Option* const tcp =
       command
           ->add_option("--tcp", options->tcp,
@@ -78,9 +82,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->check(CLI::IsMember({"real", "ideal"}))
       ->capture_default_str();
   command
-      ->add_option("--motor", drive.motors,
-                   "The motor, or one a channel (A,B,C): a name of 'virtdrive list motors', or the path "
-                   "of a YAML file")
+      ->add_option(
+          "--motor", drive.motors,
+          "The motor, or one a channel (A,B,C): a name of 'virtdrive list motors', or the path "
+          "of a YAML file")
       ->delimiter(',');
   command->add_option("--load", drive.load, kLoadHelp)->check(not_empty())->capture_default_str();
   command

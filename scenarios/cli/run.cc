@@ -212,10 +212,16 @@ int run(const RunOptions& options) {
   if (options.signals.empty() != options.record.empty()) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
+  if (!options.link2.empty()) {
+    bench_options.lines.push_back({.name = "line2", .timing = bench_options.lines[0].timing});
+    bench_options.drives[0].other_lines = {"line2"};
+  }
   Bench bench(bench_options);
   std::optional<Start> start;
   if (!options.start.empty()) start = parse_start(options.start, bench.drive().kind());
   const Port port = open_port(options, bench.line());
+  std::optional<PtyEndpoint> second;
+  if (!options.link2.empty()) second.emplace(bench.line("line2"), options.link2);
   std::optional<Recorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
@@ -228,6 +234,7 @@ int run(const RunOptions& options) {
                    console.show_status(status_line(bench, port, now));
                  }});
   runner.add(*port.endpoint);
+  if (second) runner.add(*second);
   announce(options, bench, port);
   if (!options.rate && !options.duration_s) {
     console.print_line("free run: simulated time passes much faster than a host program expects");

@@ -20,14 +20,21 @@ double rpm(const MotorChannel& channel, double electrical_hz) {
   return electrical_hz * 60 / channel.scaling().pole_pairs;
 }
 
+class Deaf final : public SerialReceiver {
+  void receive(std::uint8_t) override {}
+};
+
 class ToshibaMcuDrive final : public Drive, private SerialReceiver {
  public:
   explicit ToshibaMcuDrive(const DriveContext& context)
-      : context_(context), axes_(make_axes(context)), board_temperatures_degc_(axes_.size(), 25) {
+      : context_(context), axes_(make_axes(context)), boards_(axes_.size()) {
     power_on();
   }
 
-  SerialReceiver& receiver() override { return *this; }
+  /// At its second port, too: the firmware listens to nothing there.
+  SerialReceiver& receiver(std::size_t port) override {
+    return port == 0 ? static_cast<SerialReceiver&>(*this) : stream_input_;
+  }
   Axis& axis(std::size_t channel) override { return axes_[channel]; }
   WireCounters wire_counters() const override {
     return mcu_ ? counted_ + mcu_->device.counters() : counted_;
@@ -44,10 +51,10 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
   struct Mcu {
     Mcu(const DriveContext& context, std::span<Axis* const> axes)
         : firmware(context.loop, axes, context.seed),
-          device(context.loop, context.port, firmware, context.memory,
+          device(context.loop, *context.ports[0], firmware, context.memory,
                  {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency,
                   .lenient = context.lenient},
-                 context.listener, context.notes) {}
+                 context.listener, context.notes, context.ports[1]) {}
     Firmware firmware;
     Device device;
   };
@@ -56,8 +63,7 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
       axes.emplace_back(
-          AxisParameters{
-              .motor = motor.electrical, .link = kSupply, .mechanics = motor.mechanics},
+          AxisParameters{.motor = motor.electrical, .link = kSupply, .mechanics = motor.mechanics},
           context.integrator);
     }
     return axes;
@@ -66,10 +72,12 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
     if (mcu_) mcu_->device.receive(byte);
   }
   void register_channel(Registry& registry, std::size_t channel);
+  void register_board(Registry& registry, std::size_t channel);
 
   DriveContext context_;
   std::vector<Axis> axes_;
-  std::vector<double> board_temperatures_degc_;
+  std::vector<BoardInputs> boards_;  // what is around them outlives a reset
+  Deaf stream_input_;
   WireCounters counted_;      // before the last reset
   std::unique_ptr<Mcu> mcu_;  // none without power
 };
@@ -88,7 +96,7 @@ void ToshibaMcuDrive::power_on() {
   for (Axis& axis : axes_) axes.push_back(&axis);
   mcu_ = std::make_unique<Mcu>(context_, axes);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    mcu_->firmware.board(i).set_temperature_degc(board_temperatures_degc_[i]);
+    mcu_->firmware.board(i).set_inputs(boards_[i]);
   }
 }
 
@@ -129,6 +137,16 @@ std::string ToshibaMcuDrive::status() {
 
 void ToshibaMcuDrive::register_signals(Registry& registry) {
   for (std::size_t i = 0; i < axes_.size(); ++i) register_channel(registry, i);
+  const auto add = [&](std::string name, std::string doc,
+                          std::uint64_t (HighSpeedStream::*count)() const) {
+    registry.add(Signal{std::move(name), "", std::move(doc), [this, count] {
+                          const HighSpeedStream* stream = mcu_ ? mcu_->device.stream() : nullptr;
+                          return stream == nullptr ? 0 : double((stream->*count)());
+                        }});
+  };
+  add("scope.frames", "Frames that the high-speed oscilloscope has sent",
+         &HighSpeedStream::frames);
+  add("scope.missed", "Frames that its line could not carry", &HighSpeedStream::missed);
 }
 
 void ToshibaMcuDrive::register_channel(Registry& registry, std::size_t index) {
@@ -162,15 +180,47 @@ void ToshibaMcuDrive::register_channel(Registry& registry, std::size_t index) {
       [](Channel c) { return c.internals().iq_ref_a; });
   add("voltage_d", "V", "d voltage put out", [](Channel c) { return c.internals().vd_v; });
   add("voltage_q", "V", "q voltage put out", [](Channel c) { return c.internals().vq_v; });
-  registry.add(
-      Input{{fmt::format("board{}.temperature", index), "degC", "Temperature of the power board",
-             [this, index] { return board_temperatures_degc_[index]; }},
-            -40,
-            150,
-            [this, index](double degc) {
-              board_temperatures_degc_[index] = degc;
-              if (mcu_) mcu_->firmware.board(index).set_temperature_degc(degc);
-            }});
+  register_board(registry, index);
+}
+
+void ToshibaMcuDrive::register_board(Registry& registry, std::size_t index) {
+  const auto read = [&](std::string_view quantity, std::string doc, auto value_of) {
+    registry.add(Signal{fmt::format("drive{}.{}", index, quantity), "", std::move(doc),
+                        [this, index, value_of] {
+                          return mcu_ ? double(value_of(mcu_->firmware.board(index))) : 0;
+                        }});
+  };
+  read("encoder", "Encoder counter", [](PowerBoard& board) { return board.encoder_count(); });
+  read("turn_number", "Turns since DoTurn", [](PowerBoard& board) { return board.turn_number(); });
+  read("position", "Absolute position of the linear axis",
+       [](PowerBoard& board) { return board.absolute_position(); });
+
+  const auto add = [&]<class Member>(std::string_view quantity, std::string unit, std::string doc,
+                                     double minimum, double maximum, Member BoardInputs::* member,
+                                     bool fault = false) {
+    registry.add(Input{
+        .signal = {fmt::format("board{}.{}", index, quantity), std::move(unit), std::move(doc),
+                   [this, index, member] { return double(boards_[index].*member); }},
+        .minimum = minimum,
+        .maximum = maximum,
+        .write =
+            [this, index, member](double value) {
+              boards_[index].*member = static_cast<Member>(value);
+              if (mcu_) mcu_->firmware.board(index).set_inputs(boards_[index]);
+            },
+        .fault = fault});
+  };
+  add("temperature", "degC", "Temperature of the power board", -40, 150,
+      &BoardInputs::temperature_degc);
+  add("emergency", "", "The emergency pin is pulled", 0, 1, &BoardInputs::emergency, true);
+  add("speed_voltage", "V", "Analogue input of the external speed control", 0, 5,
+      &BoardInputs::speed_v);
+  add("speed_pwm", "", "High share of the external speed control's PWM signal", 0, 1,
+      &BoardInputs::speed_pwm);
+  add("speed_servo", "us", "Servo pulse of the external speed control; 0: none comes", 0, 3000,
+      &BoardInputs::speed_servo_us);
+  add("speed_reverse", "", "Direction pin of the external speed control", 0, 1,
+      &BoardInputs::speed_reverse);
 }
 
 }  // namespace
@@ -178,7 +228,7 @@ void ToshibaMcuDrive::register_channel(Registry& registry, std::size_t index) {
 DriveKind toshiba_mcu_kind() {
   return {.name = kTable.name,
           .default_motor = "db42s03",
-          .default_baud = 115200,
+          .ports = {{.name = "host", .baud = 115200}, {.name = "scope", .baud = kStreamBaud}},
           .channels = kChannels,
           .default_channel = 1,
           .table = kTable,

@@ -143,6 +143,10 @@ TEST(Bench, RefusesWhatDoesNotFitTogether) {
   EXPECT_EQ(error_of({.drives = {drive}, .lines = {{.echo = true}}}),
             "line 'line': a host hears itself on a half-duplex line only, and this one is full "
             "duplex");
+  DriveSpec three_ports = drive;
+  three_ports.other_lines = {"line", "line"};
+  EXPECT_EQ(error_of({.drives = {three_ports}}),
+            "drive '': 3 lines for toshiba-mcu: it has 2 ports");
   EXPECT_EQ(error_of({.drives = {two_motors}}),
             "2 motors for toshiba-mcu: it has 3 channels; name one, or one each");
 }
@@ -173,6 +177,20 @@ TEST(Bench, AHostOnTwoWiresMayHearItself) {
   bench.run_for(10ms);
   ASSERT_EQ(heard.size(), 11U);
   EXPECT_TRUE(std::equal(std::begin(version), std::end(version), heard.begin()));
+}
+
+TEST(Bench, ASecondPortHasALineOfItsOwn) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .other_lines = {"scope"}}},
+               .lines = {{}, {.name = "scope"}}});
+  std::size_t heard = 0;
+  bench.line("scope").on_host_byte([&](std::uint8_t, SimTime) { ++heard; });
+  EXPECT_EQ(bench.line("scope").settings().baud, 5'000'000);
+  start(bench, 1000);
+  bench.host()->call("ConfigureHsDSO", {1, 1, 7, 0});  // three signals, each PWM period
+  bench.run_for(100ms);
+  EXPECT_GT(bench.read("scope.frames"), 1000);
+  EXPECT_EQ(bench.read("scope.missed"), 0);
+  EXPECT_NEAR(double(heard), bench.read("scope.frames") * 11, 11);
 }
 
 TEST(Bench, LineFaultsHaveNames) {
