@@ -15,12 +15,12 @@ WireByte as_said(const Talker::Character& c, int talker) {
 
 // --- Talker --------------------------------------------------------------------------------------
 
-Talker::Character& Talker::Queue::push() {
+void Talker::Queue::push(const Character& character) {
   if (head_ > 64 && head_ > characters_.size() / 2) {  // each character moves once at the most
     characters_.erase(characters_.begin(), begin());
     head_ = 0;
   }
-  return characters_.emplace_back();
+  characters_.push_back(character);
 }
 
 void Talker::Queue::pop() {
@@ -46,15 +46,7 @@ void Talker::say(std::uint8_t byte, Content content, const LineSettings& setting
     return;
   }
   const SimTime end = burst_start_ + settings.time_of(++burst_count_);
-  Character& character = queue_.push();
-  character.begin = idle_;
-  character.end = end;
-  character.levels = character_levels(byte, settings, content == Content::kWrongParity);
-  if (content != Content::kLost) {
-    character.bits = static_cast<std::uint8_t>(settings.character_bits());
-  }
-  character.byte = byte;
-  character.content = content;
+  queue_.push({idle_, end, settings, byte, content});
   idle_ = end;
 }
 
@@ -64,7 +56,7 @@ void Talker::hold_low(SimDuration duration, const LineSettings& settings, SimTim
     return;
   }
   const SimTime begin = std::max(idle_, now);
-  queue_.push() = {begin, begin + duration, 0, 1, 0, Content::kBreak};
+  queue_.push({begin, begin + duration, settings, 0, Content::kBreak});
   idle_ = begin + duration;
   // A start bit needs an edge: the line is high for a bit time.
   pause(settings.time_of(1) / settings.character_bits(), now);
@@ -88,12 +80,16 @@ Talker::Drive Talker::drive(SimTime t) const {
   if (current == queue_.end()) return {};
   const Character& c = *current;
   if (t < c.begin) return {Level::kReleased, c.begin};
-  if (c.bits == 0) return {Level::kReleased, c.end};
+  if (c.content == Content::kLost) return {Level::kReleased, c.end};
+  if (c.content == Content::kBreak) return {Level::kLow, c.end};
+  const int bits = c.settings.character_bits();
   const SimDuration length = c.end - c.begin;
-  const auto start_of = [&](std::int64_t bit) { return c.begin + length * bit / c.bits; };
-  std::int64_t bit = (t - c.begin) / (length / c.bits + SimDuration{1});
+  const auto start_of = [&](std::int64_t bit) { return c.begin + length * bit / bits; };
+  std::int64_t bit = (t - c.begin) / (length / bits + SimDuration{1});
   while (start_of(bit + 1) <= t) ++bit;
-  return {(c.levels >> bit & 1) != 0 ? Level::kHigh : Level::kLow, start_of(bit + 1)};
+  const std::uint16_t levels =
+      character_levels(c.byte, c.settings, c.content == Content::kWrongParity);
+  return {(levels >> bit & 1) != 0 ? Level::kHigh : Level::kLow, start_of(bit + 1)};
 }
 
 // --- WirePair: talking ---------------------------------------------------------------------------
@@ -248,7 +244,7 @@ void WirePair::hear_directly() {
       if (character.begin < character.end) {
         hear_directly(talker, character);
       } else {
-        untimed_.push_back(character);
+        if (!talker.cut_ && stuck_ == LineStuck::kNo) untimed_.push_back(character);
       }
     }
     if (!untimed_.empty()) hear_untimed(talker, std::exchange(untimed_, {}));
@@ -272,25 +268,30 @@ void WirePair::hear_directly(const Talker& talker, const Talker::Character& c) {
 
 // An ideal line leaves no time in which to sample. Who is set otherwise hears what a burst would be
 // at real speed, all at once.
-void WirePair::hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said) {
-  if (talker.cut_ || stuck_ != LineStuck::kNo) return;
+void WirePair::hear_untimed(const Talker& talker, std::vector<Talker::Character> said) {
+  const LineSettings settings = said.front().settings;
+  const auto changed = std::ranges::find_if(
+      said, [&](const Talker::Character& c) { return c.settings != settings; });
+  const std::vector<Talker::Character> later(changed, said.end());
+  said.erase(changed, said.end());
   std::vector<std::uint8_t> bytes;
   for (const Talker::Character& character : said) bytes.push_back(character.byte);
   for (std::size_t i = 0; i < listeners_.size(); ++i) {
     Listener& listener = *listeners_[i];
     if (!listener.on_ || listener.own_ == &talker) continue;
-    if (understand_each_other(talker.sender_, listener.settings_)) {
+    if (understand_each_other(settings, listener.settings_)) {
       for (const Talker::Character& character : said) {
         if (listener.on_) listener.hear_(as_said(character, talker.id_));
       }
       continue;
     }
-    for (WireByte byte : resample(bytes, talker.sender_, listener.settings_)) {
+    for (WireByte byte : resample(bytes, settings, listener.settings_)) {
       byte.begin = byte.end = loop_.now();
       byte.talker = talker.id_;
       if (listener.on_) listener.hear_(byte);
     }
   }
+  if (!later.empty()) hear_untimed(talker, later);
 }
 
 void WirePair::hear_samples() {

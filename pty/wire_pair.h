@@ -53,8 +53,7 @@ class Talker {
   struct Character {
     SimTime begin;
     SimTime end;
-    std::uint16_t levels;  // of each bit time
-    std::uint8_t bits;     // how many; 0: the wires are left alone
+    LineSettings settings;
     std::uint8_t byte;
     Content content;
   };
@@ -67,7 +66,7 @@ class Talker {
     auto begin() const { return characters_.begin() + static_cast<std::ptrdiff_t>(head_); }
     auto end() const { return characters_.end(); }
     const Character& front() const { return characters_[head_]; }
-    Character& push();
+    void push(const Character& character);
     void pop();
     void clear();
 
@@ -168,7 +167,7 @@ class WirePair {
   void run();
   void hear_directly();
   void hear_directly(const Talker& talker, const Talker::Character& character);
-  void hear_untimed(const Talker& talker, const std::vector<Talker::Character>& said);
+  void hear_untimed(const Talker& talker, std::vector<Talker::Character> said);
   void hear_samples();
   void settle();
   void schedule();

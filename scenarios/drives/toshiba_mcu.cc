@@ -138,14 +138,13 @@ std::string ToshibaMcuDrive::status() {
 void ToshibaMcuDrive::register_signals(Registry& registry) {
   for (std::size_t i = 0; i < axes_.size(); ++i) register_channel(registry, i);
   const auto add = [&](std::string name, std::string doc,
-                          std::uint64_t (HighSpeedStream::*count)() const) {
+                       std::uint64_t (HighSpeedStream::*count)() const) {
     registry.add(Signal{std::move(name), "", std::move(doc), [this, count] {
                           const HighSpeedStream* stream = mcu_ ? mcu_->device.stream() : nullptr;
                           return stream == nullptr ? 0 : double((stream->*count)());
                         }});
   };
-  add("scope.frames", "Frames that the high-speed oscilloscope has sent",
-         &HighSpeedStream::frames);
+  add("scope.frames", "Frames that the high-speed oscilloscope has sent", &HighSpeedStream::frames);
   add("scope.missed", "Frames that its line could not carry", &HighSpeedStream::missed);
 }
 
