@@ -14,11 +14,24 @@ double AxisModel::torque(const double* x) const {
   return torque(e, x);
 }
 
+double AxisModel::cogging_and_iron(const Winding::Point& p, const double* x) const {
+  const MachineEffects& effects = winding.effects;
+  double torque = 0;
+  if (!effects.cogging_nm.empty()) {
+    torque += effects.cogging_nm.at(x[kAngle] / (2 * std::numbers::pi));
+  }
+  if (effects.iron_eddy_w_per_v2 > 0) {
+    torque -= effects.iron_eddy_w_per_v2 * winding.motor.pole_pairs * electrical_speed(x) *
+              (p.flux_wb.d * p.flux_wb.d + p.flux_wb.q * p.flux_wb.q);
+  }
+  return torque;
+}
+
 void AxisModel::heat(const double* x, const Winding::Point& p, double* dx) const {
   const ThermalParameters& t = winding.effects.thermal;
   const double* degc = x + temperatures_at();
   const Dq i = p.current_a;
-  const double copper_w = 1.5 * winding.resistance_ohm * (i.d * i.d + i.q * i.q);
+  const double copper_w = 1.5 * winding.resistance_ohm() * (i.d * i.d + i.q * i.q);
   const double w = electrical_speed(x);
   const double flux2 = p.flux_wb.d * p.flux_wb.d + p.flux_wb.q * p.flux_wb.q;
   const double iron_w = (winding.effects.iron_eddy_w_per_v2 * w * w +
@@ -28,6 +41,22 @@ void AxisModel::heat(const double* x, const Winding::Point& p, double* dx) const
   const double to_ambient = (degc[1] - t.ambient_degc) / t.housing_ambient_k_per_w;
   dx[temperatures_at()] = (copper_w - to_housing) / t.winding_j_per_k;
   dx[temperatures_at() + 1] = (to_housing + iron_w - to_ambient) / t.housing_j_per_k;
+}
+
+double AxisModel::hold_floating_phase(const double* x, const Rotation& r, const Winding::Point& p,
+                                      Dq& flux_rate) const {
+  // The floating terminal's voltage is the one that keeps its phase current, i.u with u the phase's
+  // axis in dq, where it is: d(i.u)/dt = u.di/dt + i.du/dt, du/dt = w (u.q, -u.d). It acts along u
+  // with 2/3 of itself.
+  const Dq u = park(connection.floating_axis, r);
+  const Dq slope{p.dd * flux_rate.d + p.dq * flux_rate.q, p.qd * flux_rate.d + p.qq * flux_rate.q};
+  const double drift =
+      u.d * slope.d + u.q * slope.q + frame_speed(x) * (u.q * p.current_a.d - u.d * p.current_a.q);
+  const double gain = u.d * (p.dd * u.d + p.dq * u.q) + u.q * (p.qd * u.d + p.qq * u.q);
+  const double along = -drift / gain;
+  flux_rate.d += along * u.d;
+  flux_rate.q += along * u.q;
+  return 1.5 * along;
 }
 
 PhaseValues AxisModel::phase_currents(const double* x) const {
@@ -49,42 +78,44 @@ PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v) const {
     return v;
   }
   const Rotation r = frame(x);
-  const Dq beyond =
-      winding.sinusoidal() ? Dq{} : winding.emf_beyond_sine(electrical_angle(x), r);
+  const Dq beyond = winding.sinusoidal() ? Dq{} : winding.emf_beyond_sine(electrical_angle(x), r);
   return inverse_clarke(inverse_park(emf(x, winding.at({x[kD], x[kQ]}), beyond), r));
 }
 
 double AxisModel::margin(const HalfBridges& bridges, const double* x, double bus_v) const {
   double least = std::numeric_limits<double>::infinity();
   if (bridges.watched()) {
-    const PhaseValues v =
-        bridges.looks_at_voltages() ? terminal_voltages(x, bus_v) : PhaseValues{};
+    const PhaseValues v = bridges.looks_at_voltages() ? terminal_voltages(x, bus_v) : PhaseValues{};
     least = bridges.margin(phase_currents(x), v, bus_v);
   }
-  if (!shaft.watched()) return least;
-  const bool torque_matters = shaft.motion == Motion::kStuck || shaft.motion == Motion::kFree;
-  const double drag_nm =
-      winding.effects.iron_hysteresis_w > 0 ? drag(winding.at({x[kD], x[kQ]})) : 0;
-  return std::min(least, shaft.margin(x + kShaft, torque_matters ? torque(x) : 0, drag_nm));
+  return std::min(least, shaft_margin(x));
 }
 
-double AxisModel::step_limit_s(const double* x) const {
-  const double l = winding.least_inductance_h();
-  const double r = winding.resistance_ohm + on_resistance_ohm;
-  const double electrical = r > 0 ? l / r / 5 : std::numeric_limits<double>::infinity();
-  return std::min(
-      {50e-6, electrical, shaft.step_limit_s(), 0.1 / (std::fabs(electrical_speed(x)) + 1)});
+double AxisModel::shaft_margin(const double* x) const {
+  if (!shaft.watched()) return std::numeric_limits<double>::infinity();
+  if (shaft.motion != Motion::kStuck) return shaft.margin(x + kShaft, 0, 0);
+  return shaft.margin(x + kShaft, torque(x), drag(winding.at({x[kD], x[kQ]})));
 }
 
-double AxisModel::next_kink_s(const double* x) const {
+/// An EMF whose peak exceeds the link passes it for a sliver of each sixth of a turn: steps must be
+/// short beside that, or they leap over it.
+double AxisModel::open_turn_rad(const double* x, double bus_v) const {
+  const Dq flux = winding.at({x[kD], x[kQ]}).flux_wb;
+  const double peak_v =
+      std::numbers::sqrt3 * std::hypot(flux.d, flux.q) * std::fabs(electrical_speed(x));
+  constexpr double kOfShapes = 1.2;  // a trapezoid's line voltage is up to 15 % higher
+  return kOfShapes * peak_v > bus_v ? 0.01 : 0.1;
+}
+
+double AxisModel::next_corner_s(const double* x) const {
   const double distance = winding.corner_distance_rad();
   const double speed = electrical_speed(x);
-  if (distance == 0 || speed == 0) return std::numeric_limits<double>::infinity();
+  if (speed == 0) return std::numeric_limits<double>::infinity();
   // A step that ends at a corner leaves it a hair behind.
   const double place = electrical_angle(x) / distance;
   const double hair = 1e-9;
-  const double ahead = speed > 0 ? std::floor(place + hair) + 1 - place
-                                 : place - (std::ceil(place - hair) - 1);
+  const double ahead =
+      speed > 0 ? std::floor(place + hair) + 1 - place : place - (std::ceil(place - hair) - 1);
   return ahead * distance / std::fabs(speed);
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "plant/half_bridges.h"
 #include "plant/machine.h"
@@ -23,8 +24,7 @@ struct AxisModel {
     double floating_v = 0;  // Conduction::kSeries: voltage of the floating terminal, by the others'
   };
 
-  AxisModel(const Winding& w, const Shaft& s, const InverterParameters& inverter)
-      : winding(w), shaft(s), on_resistance_ohm(inverter.on_resistance_ohm) {}
+  AxisModel(const Winding& w, const Shaft& s) : winding(w), shaft(s) {}
 
   int states() const { return kShaft + shaft.states() + (thermal() ? 2 : 0); }
   int temperatures_at() const { return kShaft + shaft.states(); }
@@ -42,8 +42,8 @@ struct AxisModel {
     return winding.effects.commutator ? 0 : electrical_speed(x);
   }
 
-  Electrical electrical(const double* x, double bus_v) const;
-  double torque(const Electrical& e, const double* x) const;
+  [[gnu::always_inline]] Electrical electrical(const double* x, double bus_v) const;
+  [[gnu::always_inline]] double torque(const Electrical& e, const double* x) const;
   double torque(const double* x) const;
   /// Dry friction by hysteresis of the iron.
   double drag(const Winding::Point& p) const {
@@ -63,8 +63,16 @@ struct AxisModel {
 
   bool watched(const HalfBridges& bridges) const { return bridges.watched() || shaft.watched(); }
   double margin(const HalfBridges& bridges, const double* x, double bus_v) const;
-  double step_limit_s(const double* x) const;
-  double next_kink_s(const double* x) const;
+  double shaft_margin(const double* x) const;
+  double step_limit_s(const double* x, double bus_v) const {
+    const double turn = connection.conduction == Conduction::kOpen ? open_turn_rad(x, bus_v) : 0.1;
+    return std::min({50e-6, winding.step_limit_s(), shaft.step_limit_s(),
+                     turn / (std::fabs(electrical_speed(x)) + 1)});
+  }
+  double next_kink_s(const double* x) const {
+    return winding.corner_distance_rad() == 0 ? std::numeric_limits<double>::infinity()
+                                              : next_corner_s(x);
+  }
   /// Takes away the current that the connection does not allow: rounding after a diode's event,
   /// all of it when a wire breaks.
   void drop_blocked_current(double* x) const;
@@ -72,7 +80,6 @@ struct AxisModel {
   Winding winding;
   Shaft shaft;
   Connection connection;
-  double on_resistance_ohm = 0;
 
  private:
   static Rotation brushes() {
@@ -83,48 +90,41 @@ struct AxisModel {
   }
   double hold_floating_phase(const double* x, const Rotation& r, const Winding::Point& p,
                              Dq& flux_rate) const;
+  double cogging_and_iron(const Winding::Point& p, const double* x) const;
+  double open_turn_rad(const double* x, double bus_v) const;
+  double next_corner_s(const double* x) const;
   void heat(const double* x, const Winding::Point& p, double* dx) const;
   Dq emf(const double* x, const Winding::Point& p, Dq beyond_sine) const {
     const double w = electrical_speed(x), frame = frame_speed(x);
     // With a commutator only the magnets' flux cuts the winding.
     if (winding.effects.commutator) {
-      return {w * winding.flux_wb * beyond_sine.d, w * winding.flux_wb * (1 + beyond_sine.q)};
+      return {w * winding.loop.flux_wb * beyond_sine.d,
+              w * winding.loop.flux_wb * (1 + beyond_sine.q)};
     }
-    return {-frame * p.flux_wb.q + w * winding.flux_wb * beyond_sine.d,
-            frame * p.flux_wb.d + w * winding.flux_wb * beyond_sine.q};
+    return {-frame * p.flux_wb.q + w * winding.loop.flux_wb * beyond_sine.d,
+            frame * p.flux_wb.d + w * winding.loop.flux_wb * beyond_sine.q};
   }
 };
-
-inline double AxisModel::hold_floating_phase(const double* x, const Rotation& r,
-                                             const Winding::Point& p, Dq& flux_rate) const {
-  // The floating terminal's voltage is the one that keeps its phase current, i.u with u the phase's
-  // axis in dq, where it is: d(i.u)/dt = u.di/dt + i.du/dt, du/dt = w (u.q, -u.d). It acts along u
-  // with 2/3 of itself.
-  const Dq u = park(connection.floating_axis, r);
-  const Dq slope{p.dd * flux_rate.d + p.dq * flux_rate.q, p.qd * flux_rate.d + p.qq * flux_rate.q};
-  const double drift = u.d * slope.d + u.q * slope.q +
-                       frame_speed(x) * (u.q * p.current_a.d - u.d * p.current_a.q);
-  const double gain = u.d * (p.dd * u.d + p.dq * u.q) + u.q * (p.qd * u.d + p.qq * u.q);
-  const double along = -drift / gain;
-  flux_rate.d += along * u.d;
-  flux_rate.q += along * u.q;
-  return 1.5 * along;
-}
 
 inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v) const {
   Electrical e;
   e.point = winding.at({x[kD], x[kQ]});
   if (connection.conduction == Conduction::kOpen) return e;
   const Dq i = e.point.current_a;
-  const double resistance = winding.resistance_ohm + on_resistance_ohm;
+  const double resistance = winding.loop.resistance_ohm;
   Dq flux_rate{-resistance * i.d, -resistance * i.q};
   if (connection.driving || !winding.sinusoidal()) {
     const Rotation r = frame(x);
     if (!winding.sinusoidal()) e.beyond_sine = winding.emf_beyond_sine(electrical_angle(x), r);
-    const Dq share = park(connection.share, r), offset = park(connection.offset_v, r);
+    const Dq share = park(connection.share, r);
     const Dq emf_v = emf(x, e.point, e.beyond_sine);
-    flux_rate.d += bus_v * share.d + offset.d - emf_v.d;
-    flux_rate.q += bus_v * share.q + offset.q - emf_v.q;
+    flux_rate.d += bus_v * share.d - emf_v.d;
+    flux_rate.q += bus_v * share.q - emf_v.q;
+    if (connection.offset) {
+      const Dq offset = park(connection.offset_v, r);
+      flux_rate.d += offset.d;
+      flux_rate.q += offset.q;
+    }
     // Terminal power balance: the link gives what the terminals take.
     e.bridge_a = 1.5 * (share.d * i.d + share.q * i.q);
     if (connection.conduction == Conduction::kSeries) {
@@ -146,22 +146,27 @@ inline double AxisModel::torque(const Electrical& e, const double* x) const {
   double torque = 0;
   if (connection.conduction != Conduction::kOpen) {
     const Dq i = p.current_a;
-    double flux_times_i = winding.flux_wb * (e.beyond_sine.d * i.d + e.beyond_sine.q * i.q);
-    flux_times_i += effects.commutator ? winding.flux_wb * i.q
-                                       : p.flux_wb.d * i.q - p.flux_wb.q * i.d;
+    double flux_times_i = winding.loop.flux_wb * (e.beyond_sine.d * i.d + e.beyond_sine.q * i.q);
+    flux_times_i +=
+        effects.commutator ? winding.loop.flux_wb * i.q : p.flux_wb.d * i.q - p.flux_wb.q * i.d;
     torque = 1.5 * winding.motor.pole_pairs * flux_times_i;
   }
-  if (!effects.cogging_nm.empty()) {
-    torque += effects.cogging_nm.at(x[kAngle] / (2 * std::numbers::pi));
-  }
-  if (effects.iron_eddy_w_per_v2 > 0) {
-    torque -= effects.iron_eddy_w_per_v2 * winding.motor.pole_pairs * electrical_speed(x) *
-              (p.flux_wb.d * p.flux_wb.d + p.flux_wb.q * p.flux_wb.q);
-  }
+  if (winding.shaft_effects()) torque += cogging_and_iron(p, x);
   return torque;
 }
 
 inline double AxisModel::derivative(const double* x, double bus_v, double* dx) const {
+  if (winding.plain() && connection.plain) {
+    // What most axes are most of the time, without the general winding's generality.
+    const Dq i{x[kD], x[kQ]};
+    const Dq share = park(connection.share, Rotation(electrical_angle(x)));
+    const Dq slope = current_derivative(winding.loop, i, {bus_v * share.d, bus_v * share.q},
+                                        electrical_speed(x));
+    dx[kD] = slope.d;
+    dx[kQ] = slope.q;
+    shaft.derivative(x + kShaft, torque_nm(winding.loop, i), 0, dx + kShaft);
+    return 1.5 * (share.d * i.d + share.q * i.q);
+  }
   const Electrical e = electrical(x, bus_v);
   dx[kD] = e.state_rate.d;
   dx[kQ] = e.state_rate.q;

@@ -26,8 +26,8 @@ void add_tolerances(const AxisUnit& unit, double scale, std::vector<double>& rel
   };
   const PmsmParameters& motor = unit.parameters.motor;
   const bool fluxes = unit.parameters.effects.saturation != nullptr;
-  const double current = 0.1 * motor.rated_current_a *
-                         (fluxes ? model.winding.least_inductance_h() : 1);
+  const double current =
+      0.1 * motor.rated_current_a * (fluxes ? model.winding.least_inductance_h() : 1);
   add(1, current);
   add(1, current);
   for (int i = 0; i < model.shaft.states(); i += 2) {
@@ -58,7 +58,7 @@ AxisUnit::AxisUnit(const AxisParameters& p, const Load& l)
     : parameters(checked(p)),
       load(checked(p, l)),
       bridges(p.inverter, {false, false, p.effects.commutator}),
-      model(Winding(p.motor, p.effects), Shaft(p.mechanics, l), p.inverter) {
+      model(Winding(p.motor, p.effects, p.inverter.on_resistance_ohm), Shaft(p.mechanics, l)) {
   own_states.resize(static_cast<std::size_t>(model.states()));
   x = own_states.data();
   const Dq unmagnetised = model.winding.state_with_current({p.motor.flux_wb, 0}, {});
@@ -127,8 +127,7 @@ double AxisUnit::winding_degc() const {
 }
 
 double AxisUnit::magnet_degc() const {
-  return model.thermal() ? x[model.temperatures_at() + 1]
-                         : parameters.effects.thermal.ambient_degc;
+  return model.thermal() ? x[model.temperatures_at() + 1] : parameters.effects.thermal.ambient_degc;
 }
 
 void AxisUnit::rest(double duration_s) {
@@ -272,7 +271,7 @@ void AxisUnit::short_circuit(SimTime now) {
 
 void AxisUnit::set_gates(const std::array<Gate, 3>& gates, const PhaseValues& share) {
   // Only a half bridge that loses its gates asks for its current.
-  const bool all_on = std::ranges::find(gates, Gate::kOff) == gates.end() && !bridges.needs_edges();
+  const bool all_on = std::ranges::find(gates, Gate::kOff) == gates.end() && bridges.healthy();
   bridges.set_gates(gates, share, all_on ? PhaseValues{} : phase_currents());
   follow_bridges();
 }
@@ -293,8 +292,9 @@ bool AxisUnit::follow(double bus_v) {
       changed = true;
     }
   }
-  if (model.shaft.watched()) {
-    changed = model.shaft.follow(x + AxisModel::kShaft, torque(), drag()) || changed;
+  if (model.shaft_margin(x) <= 0) {
+    model.shaft.follow(x + AxisModel::kShaft, torque(), drag());
+    changed = true;
   }
   return changed;
 }
@@ -321,9 +321,10 @@ AxisUnit& Circuit::add(const AxisParameters& parameters, const Load& load) {
   std::size_t most = link_states;
   for (const auto& each : units) most += each->own_states.size();
   if (most > kMostStates) {
-    throw SetupError(fmt::format("DC bus: {} axes are too many for one link ({} states, at most "
-                                 "{}); give some a link of their own",
-                                 units.size(), most, kMostStates));
+    throw SetupError(
+        fmt::format("DC bus: {} axes are too many for one link ({} states, at most "
+                    "{}); give some a link of their own",
+                    units.size(), most, kMostStates));
   }
   add_tolerances(unit, tolerance, unit.relative, unit.absolute);
   choose_active();

@@ -116,7 +116,7 @@ struct Circuit {
     double limit = link.step_limit_s();
     std::size_t at = link_states;
     for (const AxisUnit* unit : active) {
-      limit = std::min(limit, unit->model.step_limit_s(state + at));
+      limit = std::min(limit, unit->model.step_limit_s(state + at, state[0]));
       at += unit->own_states.size();
     }
     return limit;

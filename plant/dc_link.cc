@@ -42,11 +42,12 @@ DcLink::DcLink(const DcLinkParameters& parameters) : p(parameters) {
   source_conductance = ideal ? 0 : 1 / p.resistance_ohm;
   inverse_capacitance = 1 / p.capacitance_f;
   board_conductance = p.board_ohm > 0 ? 1 / p.board_ohm : 0;
-  double conductance = source_conductance + board_conductance;
-  if (p.chopper.on_v > 0) conductance += 1 / p.chopper.resistance_ohm;
-  // Half of the time constant keeps RK4 stable.
-  step_limit = conductance > 0 ? p.capacitance_f / conductance / 2
-                               : std::numeric_limits<double>::infinity();
+  // Half of the source's time constant keeps RK4 stable and errs by 5e-4 of a step of its voltage;
+  // the slow ones can have more.
+  double slow = board_conductance + p.board_w / (p.board_cutoff_v * p.board_cutoff_v);
+  if (p.chopper.on_v > 0) slow += 1 / p.chopper.resistance_ohm;
+  const double rate = std::max(2 * source_conductance, 10 * slow);
+  step_limit = rate > 0 ? p.capacitance_f / rate : std::numeric_limits<double>::infinity();
 }
 
 bool DcLink::follow(const double* x) {
@@ -59,8 +60,7 @@ bool DcLink::follow(const double* x) {
     }
   }
   if (p.chopper.on_v > 0) {
-    const double left =
-        chopper_on ? x[kVoltage] - p.chopper.off_v : p.chopper.on_v - x[kVoltage];
+    const double left = chopper_on ? x[kVoltage] - p.chopper.off_v : p.chopper.on_v - x[kVoltage];
     if (left <= 0) {
       chopper_on = !chopper_on;
       changed = true;

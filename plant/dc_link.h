@@ -64,21 +64,19 @@ struct DcLink {
     // Below the cut-off P v / cutoff^2, above it P / v.
     return v * board_conductance + p.board_w * v / (cutoff * cutoff);
   }
-  double chopper_current(double v) const {
-    return chopper_on ? v / p.chopper.resistance_ohm : 0;
-  }
+  double chopper_current(double v) const { return chopper_on ? v / p.chopper.resistance_ohm : 0; }
 
   void derivative(const double* x, double bridge_a, double* dx) const {
     const double v = x[kVoltage];
-    dx[kVoltage] = pinned() ? 0
-                            : (source_current(v, 0) - bridge_a - board_current(v) -
-                               chopper_current(v)) *
-                                  inverse_capacitance;
+    dx[kVoltage] = pinned()
+                       ? 0
+                       : (source_current(v, 0) - bridge_a - board_current(v) - chopper_current(v)) *
+                             inverse_capacitance;
     if (states() > 1) {
       const BrakeChopper& c = p.chopper;
-      dx[kChopperDegc] = (v * chopper_current(v) -
-                          (x[kChopperDegc] - c.ambient_degc) / c.ambient_k_per_w) /
-                         c.heat_capacity_j_per_k;
+      dx[kChopperDegc] =
+          (v * chopper_current(v) - (x[kChopperDegc] - c.ambient_degc) / c.ambient_k_per_w) /
+          c.heat_capacity_j_per_k;
     }
   }
 
@@ -91,8 +89,8 @@ struct DcLink {
       least = kSourceHysteresisV + (feeds ? -above : above);
     }
     if (p.chopper.on_v > 0) {
-      least = std::min(least, chopper_on ? x[kVoltage] - p.chopper.off_v
-                                         : p.chopper.on_v - x[kVoltage]);
+      least = std::min(least,
+                       chopper_on ? x[kVoltage] - p.chopper.off_v : p.chopper.on_v - x[kVoltage]);
     }
     return least;
   }
@@ -113,8 +111,8 @@ struct DcLink {
   bool ideal = false, draws = false;
   double source_conductance = 0, inverse_capacitance = 0, board_conductance = 0;
   double step_limit = 0;
-  bool on = true;           // the supply's switch
-  bool feeds = true;        // the source's diode
+  bool on = true;     // the supply's switch
+  bool feeds = true;  // the source's diode
   bool chopper_on = false;
 
  private:

@@ -52,8 +52,8 @@ FluxMap::FluxMap(std::vector<double> current_d_a, std::vector<double> current_q_
       flux_q_(std::move(flux_q_wb)) {
   const auto check_axis = [](const std::vector<double>& axis, const char* name) {
     if (axis.size() < 4) {
-      throw SetupError(fmt::format("flux map: {} needs 4 or more points, not {}", name,
-                                   axis.size()));
+      throw SetupError(
+          fmt::format("flux map: {} needs 4 or more points, not {}", name, axis.size()));
     }
     for (std::size_t i = 1; i < axis.size(); ++i) {
       if (!(axis[i] > axis[i - 1])) {
@@ -66,10 +66,10 @@ FluxMap::FluxMap(std::vector<double> current_d_a, std::vector<double> current_q_
   check_axis(current_q_, "current_q_a");
   const std::size_t size = current_d_.size() * current_q_.size();
   if (flux_d_.size() != size || flux_q_.size() != size) {
-    throw SetupError(fmt::format("flux map: {} currents d by {} currents q need {} values of each "
-                                 "flux, not {} and {}",
-                                 current_d_.size(), current_q_.size(), size, flux_d_.size(),
-                                 flux_q_.size()));
+    throw SetupError(
+        fmt::format("flux map: {} currents d by {} currents q need {} values of each "
+                    "flux, not {} and {}",
+                    current_d_.size(), current_q_.size(), size, flux_d_.size(), flux_q_.size()));
   }
   for (const double d : current_d_) {
     for (const double q : current_q_) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/check.h"
 
@@ -20,7 +21,7 @@ AlphaBeta axis_of(int phase) {
 }  // namespace
 
 HalfBridges::HalfBridges(const InverterParameters& inverter, std::array<bool, 3> absent)
-    : inverter_(inverter), absent_(absent) {
+    : inverter_(inverter), absent_(absent), healthy_(absent == std::array<bool, 3>{}) {
   lay_out_nodes();
   connect();
 }
@@ -50,9 +51,11 @@ void HalfBridges::set_faults(const BridgeFaults& faults, const PhaseValues& curr
   }
   if (faults == faults_) return;
   faults_ = faults;
+  healthy_ = faults == BridgeFaults{} && absent_ == std::array<bool, 3>{};
   lay_out_nodes();
   was_driven_ = {true, true, true};  // nodes are new: their diodes follow the currents
-  set_gates(wanted_, share_, current_a);
+  const std::array<Gate, 3> wanted = std::exchange(wanted_, {});
+  set_gates(wanted, share_, current_a);
 }
 
 bool HalfBridges::needs_edges() const {
@@ -62,8 +65,16 @@ bool HalfBridges::needs_edges() const {
 
 void HalfBridges::set_gates(const std::array<Gate, 3>& gates, const PhaseValues& share,
                             const PhaseValues& current_a) {
+  // A new duty for each period is what most of these calls bring.
+  constexpr std::array<Gate, 3> kAllAveraged{Gate::kAveraged, Gate::kAveraged, Gate::kAveraged};
+  const bool only_duty = gates == kAllAveraged && wanted_ == gates && healthy_;
   wanted_ = gates;
   share_ = share;
+  if (only_duty) {
+    connection_.share = clarke(share);
+    connection_.driving = connection_.plain = share[0] != share[1] || share[1] != share[2];
+    return;
+  }
   for (std::size_t x = 0; x < 3; ++x) {
     const bool averaged = gates[x] == Gate::kAveraged;
     bool up = gates[x] == Gate::kHigh, down = gates[x] == Gate::kLow;
@@ -121,7 +132,7 @@ HalfBridges::Potential HalfBridges::potential(int node) const {
   for (std::size_t x = 0; x < 3; ++x) {
     if (node_[x] != node || gates_[x] == Gate::kOff) continue;
     ++on;
-    sum += both_on_[x]                     ? 0.5
+    sum += both_on_[x]                    ? 0.5
            : gates_[x] == Gate::kAveraged ? share_[x]
            : gates_[x] == Gate::kHigh     ? 1.0
                                           : 0.0;
@@ -188,9 +199,12 @@ void HalfBridges::connect() {
   }
   c.share = clarke(share);
   c.offset_v = clarke(offset);
+  c.offset = c.offset_v.alpha != 0 || c.offset_v.beta != 0;
   c.driving = c.conduction != Conduction::kTerminals || share[0] != share[1] ||
               share[1] != share[2] || offset[0] != offset[1] || offset[1] != offset[2];
   c.short_conductance = short_conductance();
+  c.plain =
+      c.driving && c.conduction == Conduction::kTerminals && !c.offset && c.short_conductance == 0;
   connection_ = c;
 }
 

@@ -39,8 +39,10 @@ enum class Conduction : std::uint8_t {
 struct Connection {
   Conduction conduction = Conduction::kOpen;
   bool driving = false;          // false: all terminals at one potential
+  bool plain = false;            // driving through three terminals, and nothing but shares
   AlphaBeta share;               // terminal voltages as shares of the bus voltage ...
   AlphaBeta offset_v;            // ... and what diodes add to them
+  bool offset = false;           // there is something
   AlphaBeta floating_axis;       // kSeries: direction of the phase without current
   int floating = -1;             // kSeries: that phase
   double short_conductance = 0;  // across the link, through switches that fight each other
@@ -54,6 +56,7 @@ class HalfBridges {
   /// Throws SetupError if a fault would short the link through no resistance.
   void set_faults(const BridgeFaults& faults, const PhaseValues& current_a);
   const BridgeFaults& faults() const { return faults_; }
+  bool healthy() const { return healthy_; }
   /// True if a switch's fault makes what happens within a PWM period matter.
   bool needs_edges() const;
 
@@ -107,6 +110,7 @@ class HalfBridges {
 
   InverterParameters inverter_;
   std::array<bool, 3> absent_{};
+  bool healthy_ = true;  // no fault, no phase absent
   BridgeFaults faults_;
   std::array<int, 3> node_{0, 1, 2};  // of each phase; -1: not attached
   std::array<Gate, 3> wanted_{};      // as commanded

@@ -122,15 +122,17 @@ void validate(const MachineEffects& e) {
   }
 }
 
-Winding::Winding(const PmsmParameters& m, const MachineEffects& e)
-    : motor(m), effects(e), resistance_ohm(m.resistance_ohm), flux_wb(m.flux_wb) {
+Winding::Winding(const PmsmParameters& m, const MachineEffects& e, double series_ohm)
+    : motor(m), loop(m), effects(e), series_ohm_(series_ohm) {
+  sinusoidal_ = e.emf.table.empty();
+  shaft_effects_ = !e.cogging_nm.empty() || e.iron_eddy_w_per_v2 > 0;
   inverse_d_ = 1 / m.inductance_d_h;
   inverse_q_ = 1 / m.inductance_q_h;
   least_inductance_ = std::min(m.inductance_d_h, m.inductance_q_h);
   if (e.saturation) {
     kind_ = Kind::kAnalytic;
     const AnalyticSaturation& a = *e.saturation;
-    magnet_current_a_ = (a.d0 + a.dd * power(std::fabs(flux_wb), a.s)) * flux_wb;
+    magnet_current_a_ = (a.d0 + a.dd * power(std::fabs(m.flux_wb), a.s)) * m.flux_wb;
   } else if (e.flux_map) {
     kind_ = Kind::kMap;
     least_inductance_ = std::numeric_limits<double>::infinity();
@@ -146,10 +148,13 @@ Winding::Winding(const PmsmParameters& m, const MachineEffects& e)
       2 * pi / samples > kCornersFromRad) {
     corner_distance_ = 2 * pi / samples;
   }
+  plain_ = sinusoidal_ && !shaft_effects_ && kind_ == Kind::kLinear && !e.commutator &&
+           e.iron_hysteresis_w == 0 && e.thermal.winding_housing_k_per_w == 0;
+  set_temperatures(e.thermal.reference_degc, e.thermal.reference_degc);
 }
 
 Winding::Point Winding::saturated(Dq s) const {
-  const double warm_wb = flux_wb - motor.flux_wb;  // what the magnets gained with temperature
+  const double warm_wb = loop.flux_wb - motor.flux_wb;  // what the magnets gained with temperature
   if (kind_ == Kind::kMap) {
     const FluxMap::Point p = effects.flux_map->at(s);
     const double determinant = p.dd * p.qq - p.dq * p.qd;
@@ -199,9 +204,12 @@ Dq Winding::emf_beyond_sine(double electrical_rad, const Rotation& r) const {
 
 void Winding::set_temperatures(double winding_degc, double magnet_degc) {
   const ThermalParameters& t = effects.thermal;
-  resistance_ohm =
-      motor.resistance_ohm * (1 + t.resistance_per_k * (winding_degc - t.reference_degc));
-  flux_wb = motor.flux_wb * (1 + t.flux_per_k * (magnet_degc - t.reference_degc));
+  loop.resistance_ohm =
+      motor.resistance_ohm * (1 + t.resistance_per_k * (winding_degc - t.reference_degc)) +
+      series_ohm_;
+  loop.flux_wb = motor.flux_wb * (1 + t.flux_per_k * (magnet_degc - t.reference_degc));
+  step_limit_ = loop.resistance_ohm > 0 ? least_inductance_ / loop.resistance_ohm / 5
+                                        : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace virtdrive

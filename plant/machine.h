@@ -81,9 +81,9 @@ struct ThermalParameters {
   double housing_ambient_k_per_w = 0;
   double winding_j_per_k = 0, housing_j_per_k = 0;
   double ambient_degc = 25;
-  double reference_degc = 25;              // of resistance_ohm and flux_wb
-  double resistance_per_k = 3.93e-3;       // copper
-  double flux_per_k = 0;                   // e.g. -1.2e-3 NdFeB, -2e-3 ferrite
+  double reference_degc = 25;         // of resistance_ohm and flux_wb
+  double resistance_per_k = 3.93e-3;  // copper
+  double flux_per_k = 0;              // e.g. -1.2e-3 NdFeB, -2e-3 ferrite
 };
 
 /// What the linear machine with a sinusoidal EMF leaves out.
@@ -92,10 +92,10 @@ struct MachineEffects {
   std::shared_ptr<const AnalyticSaturation> saturation;  // instead of inductance_d_h, _q_h
   std::shared_ptr<const FluxMap> flux_map;               // instead of those and flux_wb's share
   ThermalParameters thermal;
-  PeriodicTable cogging_nm;         // over a turn of the shaft
-  double iron_eddy_w_per_v2 = 0;    // loss / (we |psi|)^2: the reciprocal of a resistance / 1.5
-  double iron_hysteresis_w = 0;     // loss / (|we| |psi|^2), W s / Wb^2 rad: a drag like friction
-  bool commutator = false;          // brushes: phase c does not exist
+  PeriodicTable cogging_nm;       // over a turn of the shaft
+  double iron_eddy_w_per_v2 = 0;  // loss / (we |psi|)^2: the reciprocal of a resistance / 1.5
+  double iron_hysteresis_w = 0;   // loss / (|we| |psi|^2), W s / Wb^2 rad: a drag like friction
+  bool commutator = false;        // brushes: phase c does not exist
 };
 
 /// Parameters of a brushed DC motor: terminals a and b, torque constant = EMF constant.
@@ -119,17 +119,16 @@ class Winding {
     double dd, dq, qd, qq;  // inverse incremental inductances d current / d flux, 1/H
   };
 
-  Winding(const PmsmParameters& motor, const MachineEffects& effects);
+  /// `series_ohm`: of the switches, in each phase.
+  Winding(const PmsmParameters& motor, const MachineEffects& effects, double series_ohm = 0);
 
   /// The state variables are currents, or with AnalyticSaturation fluxes.
   Point at(Dq state) const {
     if (kind_ != Kind::kLinear) return saturated(state);
-    return {state,
-            {motor.inductance_d_h * state.d + flux_wb, motor.inductance_q_h * state.q},
-            inverse_d_,
-            0,
-            0,
-            inverse_q_};
+    return {
+        state,      {loop.inductance_d_h * state.d + loop.flux_wb, loop.inductance_q_h * state.q},
+        inverse_d_, 0,
+        0,          inverse_q_};
   }
   Dq state_rate(const Point& p, Dq flux_rate) const {
     if (kind_ == Kind::kAnalytic) return flux_rate;
@@ -140,16 +139,24 @@ class Winding {
 
   /// What a shape adds to the unit EMF of a sine machine, in dq.
   Dq emf_beyond_sine(double electrical_rad, const Rotation& r) const;
-  bool sinusoidal() const { return effects.emf.table.empty(); }
+  bool sinusoidal() const { return sinusoidal_; }
+  /// Cogging or eddy currents act on the shaft.
+  bool shaft_effects() const { return shaft_effects_; }
   void set_temperatures(double winding_degc, double magnet_degc);
   /// The least inductance of any state, for step sizes.
   double least_inductance_h() const { return least_inductance_; }
   /// Distance of corners of the EMF in rad (electrical); 0: it is smooth.
   double corner_distance_rad() const { return corner_distance_; }
 
-  PmsmParameters motor;
+  /// A linear sine machine with nothing else that acts: pmsm.h is all of it.
+  bool plain() const { return plain_; }
+  /// For the fast integrator: a fifth of the least electrical time constant.
+  double step_limit_s() const { return step_limit_; }
+  double resistance_ohm() const { return loop.resistance_ohm - series_ohm_; }
+
+  PmsmParameters motor;  // as given
+  PmsmParameters loop;   // at the present temperatures, with what is in series
   MachineEffects effects;
-  double resistance_ohm = 0, flux_wb = 0;  // at the present temperatures
 
  private:
   enum class Kind : std::uint8_t { kLinear, kAnalytic, kMap };
@@ -157,6 +164,8 @@ class Winding {
   Point saturated(Dq state) const;
 
   Kind kind_ = Kind::kLinear;
+  bool sinusoidal_ = true, shaft_effects_ = false, plain_ = true;
+  double series_ohm_ = 0, step_limit_ = 0;
   double inverse_d_ = 0, inverse_q_ = 0, least_inductance_ = 0, corner_distance_ = 0;
   double magnet_current_a_ = 0;  // of AnalyticSaturation
 };

@@ -22,11 +22,11 @@ namespace virtdrive {
 
 /// Between rotor and load. Stiffness, damping and backlash are at the load's side.
 struct Transmission {
-  double ratio = 1;                  // rotor turns per turn of the load, > 0
-  double efficiency = 1;             // above 0 .. 1
-  double stiffness_nm_per_rad = 0;   // 0: rigid
-  double damping_nm_per_radps = 0;   // >= 0, with stiffness only
-  double backlash_rad = 0;           // whole play, >= 0, with stiffness only
+  double ratio = 1;                 // rotor turns per turn of the load, > 0
+  double efficiency = 1;            // above 0 .. 1
+  double stiffness_nm_per_rad = 0;  // 0: rigid
+  double damping_nm_per_radps = 0;  // >= 0, with stiffness only
+  double backlash_rad = 0;          // whole play, >= 0, with stiffness only
 };
 
 struct MechanicsParameters {
@@ -49,12 +49,12 @@ struct Load {
   double stribeck_radps = 0;           // > 0 with stiction_nm
   double spring_nm_per_rad = 0;        // towards spring_rest_rad, >= 0
   double spring_rest_rad = 0;
-  double gravity_nm = 0;               // m g r of a lever that hangs down at angle 0: * sin(angle)
+  double gravity_nm = 0;  // m g r of a lever that hangs down at angle 0: * sin(angle)
   double lower_stop_rad = -std::numeric_limits<double>::infinity();
   double upper_stop_rad = std::numeric_limits<double>::infinity();
-  double stop_nm_per_rad = 0;          // stiffness of the end stops, > 0 if there is one
-  double stop_nm_per_radps = 0;        // their damping, >= 0
-  bool locked = false;                 // held at standstill whatever the torque
+  double stop_nm_per_rad = 0;    // stiffness of the end stops, > 0 if there is one
+  double stop_nm_per_radps = 0;  // their damping, >= 0
+  bool locked = false;           // held at standstill whatever the torque
 
   bool operator==(const Load&) const = default;
 };

@@ -129,14 +129,10 @@ ErkIntegrator& OdeSolver<System>::erk(int states) {
   }
   return erks_.emplace_back(ErkIntegrator::Problem{
       .states = states,
-      .derivative =
-          [](const void* system, const double* x, double* dx) {
-            static_cast<const System*>(system)->derivative(x, dx);
-          },
-      .margin =
-          [](const void* system, const double* x) {
-            return static_cast<const System*>(system)->margin(x);
-          }});
+      .derivative = [](const void* system, const double* x,
+                       double* dx) { static_cast<const System*>(system)->derivative(x, dx); },
+      .margin = [](const void* system,
+                   const double* x) { return static_cast<const System*>(system)->margin(x); }});
 }
 
 /// N: the number of states if it is known here, else 0.

@@ -36,7 +36,8 @@ class PeriodicTable {
     if (interpolation_ == Interpolation::kLinear) return a + t * (b - a);
     const double slope_a = (b - value(left - 1)) / 2, slope_b = (value(left + 2) - a) / 2;
     const double d = b - a;
-    return a + t * (slope_a + t * (3 * d - 2 * slope_a - slope_b + t * (slope_a + slope_b - 2 * d)));
+    return a +
+           t * (slope_a + t * (3 * d - 2 * slope_a - slope_b + t * (slope_a + slope_b - 2 * d)));
   }
 
  private:

@@ -56,8 +56,8 @@ Shaft::Shaft(const MechanicsParameters& mechanics, const Load& l) : rotor(mechan
     }
     if (damping > 0) step_limit = std::min(step_limit, 0.5 / (damping * inverse_mass));
   };
-  const double load_mass = two_masses ? inverse_load_inertia
-                                      : inverse_inertia / (inverse_ratio * inverse_ratio);
+  const double load_mass =
+      two_masses ? inverse_load_inertia : inverse_inertia / (inverse_ratio * inverse_ratio);
   if (two_masses) {
     const double both = inverse_inertia * inverse_ratio * inverse_ratio + inverse_load_inertia;
     limit(t.stiffness_nm_per_rad, t.damping_nm_per_radps, both);
@@ -68,10 +68,10 @@ Shaft::Shaft(const MechanicsParameters& mechanics, const Load& l) : rotor(mechan
 }
 
 double Shaft::smooth_load_torque(double speed, double angle) const {
-  double torque = load.external_torque_nm +
-                  (load.viscous_nm_per_radps + load.quadratic_nm_per_radps2 * std::fabs(speed)) *
-                      speed +
-                  load.spring_nm_per_rad * (angle - load.spring_rest_rad);
+  double torque =
+      load.external_torque_nm +
+      (load.viscous_nm_per_radps + load.quadratic_nm_per_radps2 * std::fabs(speed)) * speed +
+      load.spring_nm_per_rad * (angle - load.spring_rest_rad);
   if (load.gravity_nm != 0) torque += load.gravity_nm * std::sin(angle);
   if (stops.any()) torque += stops.torque(angle, speed);
   return torque;
@@ -104,11 +104,11 @@ void Shaft::general_derivative(const double* x, double torque_nm, double drag_nm
     const double demand = coupling * inverse_ratio * gear_factor(coupling, way);
     dx[kSpeed] = motion == Motion::kStuck ? 0 : (own - demand) * inverse_inertia;
     dx[kLoadAngle] = x[kLoadSpeed];
-    dx[kLoadSpeed] = load_motion == Motion::kStuck
-                         ? 0
-                         : (coupling - load_demand -
-                            direction(load_motion) * load_friction.at(load_speed_now)) *
-                               inverse_load_inertia;
+    dx[kLoadSpeed] =
+        load_motion == Motion::kStuck
+            ? 0
+            : (coupling - load_demand - direction(load_motion) * load_friction.at(load_speed_now)) *
+                  inverse_load_inertia;
     return;
   }
   if (motion == Motion::kStuck) {
@@ -191,9 +191,9 @@ void Shaft::decide_rotor(double* x, double torque_nm, double drag_nm) {
     motion = x[kSpeed] > 0 ? Motion::kForward : Motion::kReverse;
   } else {
     const Drive left = left_at_standstill(x, torque_nm, drag_nm);
-    motion = left.forward >= 0  ? Motion::kForward
-             : left.reverse <= 0? Motion::kReverse
-                                : Motion::kStuck;
+    motion = left.forward >= 0   ? Motion::kForward
+             : left.reverse <= 0 ? Motion::kReverse
+                                 : Motion::kStuck;
   }
 }
 
@@ -208,9 +208,9 @@ void Shaft::decide_load(double* x) {
     load_motion = x[kLoadSpeed] > 0 ? Motion::kForward : Motion::kReverse;
   } else {
     const Drive left = load_left_at_standstill(x);
-    load_motion = left.forward >= 0  ? Motion::kForward
-                  : left.reverse <= 0? Motion::kReverse
-                                     : Motion::kStuck;
+    load_motion = left.forward >= 0   ? Motion::kForward
+                  : left.reverse <= 0 ? Motion::kReverse
+                                      : Motion::kStuck;
   }
 }
 
@@ -221,8 +221,7 @@ void Shaft::decide(double* x, double torque_nm, double drag_nm) {
   decide_load(x);
 }
 
-bool Shaft::follow(double* x, double torque_nm, double drag_nm) {
-  if (margin(x, torque_nm, drag_nm) > 0) return false;
+void Shaft::follow(double* x, double torque_nm, double drag_nm) {
   // A shaft that has just stopped, or that stood and now breaks away, is at 0 both times.
   const auto stopped = [](Motion m, double speed) {
     return m == Motion::kStuck || (m != Motion::kFree && direction(m) * speed <= -kStoppedRadps);
@@ -230,7 +229,6 @@ bool Shaft::follow(double* x, double torque_nm, double drag_nm) {
   if (stopped(motion, x[kSpeed])) x[kSpeed] = 0;
   if (two_masses && stopped(load_motion, x[kLoadSpeed])) x[kLoadSpeed] = 0;
   decide(x, torque_nm, drag_nm);
-  return true;
 }
 
 bool Shaft::at_rest(const double* x) const {
@@ -243,12 +241,11 @@ double Shaft::load_torque(const double* x, double torque_nm, double drag_nm) con
   if (two_masses) return coupling_torque(x);
   const double speed = load_speed(x), angle = load_angle(x);
   const double smooth = smooth_load_torque(speed, angle);
-  const double ours = plain ? load.brake_torque_nm
-                            : load_friction.at(speed);
+  const double ours = plain ? load.brake_torque_nm : load_friction.at(speed);
   if (motion != Motion::kStuck) return smooth + direction(motion) * ours;
-  const double breakaway = plain ? friction.breakaway_nm + drag_nm
-                                 : friction.breakaway_nm + drag_nm +
-                                       load_friction.breakaway_nm * inverse_ratio;
+  const double breakaway =
+      plain ? friction.breakaway_nm + drag_nm
+            : friction.breakaway_nm + drag_nm + load_friction.breakaway_nm * inverse_ratio;
   const double held = torque_nm - smooth * inverse_ratio;
   const double share = plain ? load.brake_torque_nm : load_friction.breakaway_nm;
   return smooth + (breakaway > 0 ? held * share / breakaway : held / inverse_ratio);

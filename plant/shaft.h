@@ -44,8 +44,9 @@ struct Play {
   double margin(double position) const {
     constexpr double kHysteresisRad = 1e-12;
     const double above = position - upper_rad, below = lower_rad - position;
-    return kHysteresisRad +
-           (side == Side::kUpper ? above : side == Side::kLower ? below : -std::max(above, below));
+    return kHysteresisRad + (side == Side::kUpper   ? above
+                             : side == Side::kLower ? below
+                                                    : -std::max(above, below));
   }
   void decide(double position) {
     side = position > upper_rad   ? Side::kUpper
@@ -72,13 +73,13 @@ struct Shaft {
   void derivative(const double* x, double torque_nm, double drag_nm, double* dx) const {
     dx[kAngle] = x[kSpeed];
     if (plain) {
-      dx[kSpeed] = motion == Motion::kStuck
-                       ? 0
-                       : (torque_nm - load.external_torque_nm -
-                          (viscous + load.quadratic_nm_per_radps2 * std::fabs(x[kSpeed])) *
-                              x[kSpeed] -
-                          direction(motion) * (friction.sliding_nm + drag_nm)) *
-                             inverse_inertia;
+      dx[kSpeed] =
+          motion == Motion::kStuck
+              ? 0
+              : (torque_nm - load.external_torque_nm -
+                 (viscous + load.quadratic_nm_per_radps2 * std::fabs(x[kSpeed])) * x[kSpeed] -
+                 direction(motion) * (friction.sliding_nm + drag_nm)) *
+                    inverse_inertia;
       return;
     }
     general_derivative(x, torque_nm, drag_nm, dx);
@@ -87,10 +88,10 @@ struct Shaft {
   bool watched() const {
     return motion != Motion::kFree || load_motion != Motion::kFree || play.any() || stops.any();
   }
-  /// Positive while all modes hold.
+  /// Positive while all modes hold. Torque and drag matter while something is stuck.
   double margin(const double* x, double torque_nm, double drag_nm) const;
-  /// Changes the modes that have ended and the speeds that are then 0; true if any did.
-  bool follow(double* x, double torque_nm, double drag_nm);
+  /// Once the margin has gone: changes the modes that have ended, and the speeds that are then 0.
+  void follow(double* x, double torque_nm, double drag_nm);
   /// All modes anew, after an input has changed.
   void decide(double* x, double torque_nm, double drag_nm);
   /// Nothing moves, and nothing will while the machine gives no torque.
