@@ -302,7 +302,8 @@ bool AxisUnit::follow(double bus_v) {
 bool AxisUnit::at_rest() const {
   return command_.mode == Bridge::kOff && next_step_at_ == kNever &&
          model.connection.conduction == Conduction::kOpen &&
-         model.connection.short_conductance == 0 && model.shaft.at_rest(x + AxisModel::kShaft);
+         model.connection.short_conductance == 0 && model.shaft.at_rest(x + AxisModel::kShaft) &&
+         (model.shaft.motion == Motion::kStuck || torque() == 0);
 }
 
 Circuit::Circuit(const DcLinkParameters& parameters, Integrator integrator, double tol)

@@ -21,10 +21,11 @@ struct DriveSpec {
   std::string kind;  // see drive_catalogue()
   std::string name;  // goes before its signals' names; only one drive of a bench needs none
   std::string line;  // empty: the bench's first
-  std::vector<std::string> motors;  // names or files; one for all channels or one each; empty: the kind's default
-  std::string load = "none";        // see parse_load()
-  std::vector<std::string> set;     // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
-  std::string nvm;                  // file of the non-volatile memory; empty: kept in the process
+  std::vector<std::string>
+      motors;  // names or files; one for all channels or one each; empty: the kind's default
+  std::string load = "none";     // see parse_load()
+  std::vector<std::string> set;  // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
+  std::string nvm;               // file of the non-volatile memory; empty: kept in the process
   bool lenient = false;
 };
 

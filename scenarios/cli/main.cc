@@ -78,9 +78,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->check(CLI::IsMember({"real", "ideal"}))
       ->capture_default_str();
   command
-      ->add_option("--motor", drive.motors,
-                   "The motor, or one a channel (A,B,C): a name of 'virtdrive list motors', or the path "
-                   "of a YAML file")
+      ->add_option(
+          "--motor", drive.motors,
+          "The motor, or one a channel (A,B,C): a name of 'virtdrive list motors', or the path "
+          "of a YAML file")
       ->delimiter(',');
   command->add_option("--load", drive.load, kLoadHelp)->check(not_empty())->capture_default_str();
   command

@@ -56,8 +56,7 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
       axes.emplace_back(
-          AxisParameters{
-              .motor = motor.electrical, .link = kSupply, .mechanics = motor.mechanics},
+          AxisParameters{.motor = motor.electrical, .link = kSupply, .mechanics = motor.mechanics},
           context.integrator);
     }
     return axes;
