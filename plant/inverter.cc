@@ -6,10 +6,21 @@
 
 namespace virtdrive {
 
+void validate(const InverterParameters& inverter) {
+  const auto require = [](bool good, const char* what, double value) {
+    if (!good) throw SetupError(fmt::format("inverter: {} must be 0 or more, not {}", what, value));
+  };
+  const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
+  require(not_negative(inverter.on_resistance_ohm), "on_resistance_ohm",
+          inverter.on_resistance_ohm);
+  require(not_negative(inverter.diode_v), "diode_v", inverter.diode_v);
+}
+
 PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& current_a, double bus_v,
-                           double inductance_h) {
+                           double inductance_h, double diode_v) {
   if (command.dead_time == SimDuration{0} || bus_v <= 0) return command.duty;
-  const double lost_share = seconds(command.dead_time) / seconds(command.pwm_period);
+  const double dead_share = seconds(command.dead_time) / seconds(command.pwm_period);
+  const double lost_share = dead_share * (1 + 2 * diode_v / bus_v);
   const double band_a = bus_v * seconds(command.dead_time) / inductance_h;
   PhaseValues effective{};
   for (std::size_t x = 0; x < 3; ++x) {
@@ -19,35 +30,6 @@ PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& curr
     effective[x] = switches ? std::clamp(duty - lost_share * sign, 0.0, 1.0) : duty;
   }
   return effective;
-}
-
-void BodyDiodes::take_over(const PhaseValues& current_a) {
-  for (std::size_t x = 0; x < 3; ++x) {
-    diodes_[x] = current_a[x] > kZeroCurrentA    ? Diode::kLower
-                 : current_a[x] < -kZeroCurrentA ? Diode::kUpper
-                                                 : Diode::kBlocked;
-  }
-  if (conducting() < 2) diodes_ = {};
-}
-
-void BodyDiodes::block(int phase) {
-  diodes_[static_cast<std::size_t>(phase)] = Diode::kBlocked;
-  if (conducting() < 2) diodes_ = {};
-}
-
-int BodyDiodes::conducting() const {
-  return static_cast<int>(3 - std::ranges::count(diodes_, Diode::kBlocked));
-}
-
-int BodyDiodes::floating() const {
-  if (conducting() != 2) return -1;
-  return static_cast<int>(std::ranges::find(diodes_, Diode::kBlocked) - diodes_.begin());
-}
-
-PhaseValues BodyDiodes::upper() const {
-  PhaseValues share{};
-  for (std::size_t x = 0; x < 3; ++x) share[x] = diodes_[x] == Diode::kUpper ? 1 : 0;
-  return share;
 }
 
 }  // namespace virtdrive

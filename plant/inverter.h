@@ -1,15 +1,22 @@
-// A three-phase two-level bridge, averaged over the PWM period, with its body diodes.
+// What a three-phase two-level bridge is told to do, what it loses, and what can break in it.
 //
-//   kDriven  a phase's terminal is at e * Vbus, e = duty - (dead time / period) * sign(i)
-//   kShort   all low sides on: the terminals are at 0 (for a share of each period, then gates off)
-//   kOff     gates off: the currents freewheel through the body diodes until they are 0
+//   kDriven  each leg as `legs` says: at its duty, high, low, or with its gates off (Hi-Z)
+//   kShort   all low sides on (for a share of each period, then gates off)
+//   kOff     all gates off: the currents go on through the body diodes
 //
-// Dead time: after each edge both switches are off and the current chooses a diode; over a period
-// that takes Vbus * dead_time / period from a positive current and adds it to a negative one. The
-// sign is taken at the start of each PWM period and held, so that it is an input like the duty and
-// never a discontinuity for the integrator. Around zero it is softened linearly within the current
-// that the term itself moves in one period (Vbus * dead_time / L): held for a period, a bare sign
-// would overshoot zero and chatter. A phase that does not switch (duty 0 or 1) has no dead time.
+// So six-step with a floating phase is {.mode = kDriven, .duty = {0.6}, .legs = {kDuty, kLow,
+// kHiZ}}. A leg that drives has its terminal at e * Vbus, e = duty - (dead time / period) * sign(i)
+// (averaged), or switches within each period (`InverterParameters::switched`): centre-aligned, the
+// high side on for `duty` of the period around its middle, both off for the dead time after each
+// edge. At the period's start all driven legs are low: where drives with low-side shunts sample.
+//
+// Dead time, averaged: after each edge both switches are off and the current chooses a diode; over
+// a period that takes (Vbus + 2 Vf) * dead_time / period from a positive current and adds it to a
+// negative one. The sign is taken at the start of each PWM period and held, so that it is an input
+// like the duty and never a discontinuity for the integrator. Around zero it is softened linearly
+// within the current that the term itself moves in one period (Vbus * dead_time / L): held for a
+// period, a bare sign would overshoot zero and chatter. A leg whose duty is 0 or 1 has no dead
+// time.
 #pragma once
 
 #include <array>
@@ -22,47 +29,42 @@ namespace virtdrive {
 
 enum class Bridge : std::uint8_t { kOff, kShort, kDriven };
 
+/// Of a leg in Bridge::kDriven.
+enum class Leg : std::uint8_t { kDuty, kHigh, kLow, kHiZ };
+
 struct BridgeCommand {
   Bridge mode = Bridge::kOff;
   PhaseValues duty{};         // kDriven: share of the period the high side is on, 0..1
+  std::array<Leg, 3> legs{};  // kDriven
   double short_share = 1;     // kShort: share of each period with all low sides on, 0..1
-  SimDuration pwm_period{0};  // > 0 where it matters: with dead time or a short_share below 1
+  SimDuration pwm_period{0};  // > 0 where it matters: dead time, short_share below 1, switched
   SimDuration dead_time{0};   // kDriven: 0 .. below pwm_period
+};
+
+struct InverterParameters {
+  double on_resistance_ohm = 0;  // of a switch, and of a diode beyond its forward voltage, >= 0
+  double diode_v = 0;            // forward voltage of a body diode, >= 0
+  bool switched = false;         // edges as events; needs BridgeCommand::pwm_period
+};
+
+/// Throws SetupError unless every value is in its range.
+void validate(const InverterParameters& inverter);
+
+enum class SwitchFault : std::uint8_t { kNone, kStuckOpen, kStuckClosed };
+
+/// What is broken. The body diode of a switch that is stuck open still conducts. Two switches of a
+/// leg that are both closed short the link through their resistance.
+struct BridgeFaults {
+  std::array<bool, 3> phase_open{};  // the wire to the motor
+  int shorted_phases = 0;            // 0: none, 1: a-b, 2: b-c, 3: c-a, at the terminals, no ohms
+  std::array<SwitchFault, 3> upper{}, lower{};
+
+  bool operator==(const BridgeFaults&) const = default;
 };
 
 /// The averaged share of Vbus at each phase terminal, dead time included. Currents in A, into the
 /// motor; `inductance_h` the smaller of Ld and Lq.
 PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& current_a, double bus_v,
-                           double inductance_h);
-
-enum class Diode : std::uint8_t { kBlocked, kUpper, kLower };
-
-/// Which body diode each phase conducts through while the gates are off. A positive current (into
-/// the motor) comes from the lower rail, a negative one goes into the upper rail.
-///
-/// The state is persistent: a phase blocks only when its current reaches 0, and a blocked phase
-/// stays blocked until the gates go off anew. So the sequence is three phases, two in series, none,
-/// and it cannot cycle. Limit: an EMF that would turn a diode on again (above a third of the bus
-/// while two phases conduct, above Vbus between lines when none does: rectification into the bus)
-/// is not modelled here.
-class BodyDiodes {
- public:
-  /// A current up to this is none (A).
-  static constexpr double kZeroCurrentA = 1e-6;
-
-  /// The gates go off with these currents.
-  void take_over(const PhaseValues& current_a);
-  void block(int phase);
-
-  Diode operator[](int phase) const { return diodes_[static_cast<std::size_t>(phase)]; }
-  int conducting() const;
-  /// The one blocked phase while the two others conduct in series, else -1.
-  int floating() const;
-  /// 1 for a phase at the upper rail, else 0.
-  PhaseValues upper() const;
-
- private:
-  std::array<Diode, 3> diodes_{};
-};
+                           double inductance_h, double diode_v = 0);
 
 }  // namespace virtdrive

@@ -81,29 +81,6 @@ TEST(DeadTime, FollowsTheCurrentPeriodByPeriodUnderAHeldCommand) {
   EXPECT_EQ(held.counters().time_events, 249U);
 }
 
-TEST(BodyDiodes, TakeOverTheCurrentsAndLetThemGoOneAfterTheOther) {
-  BodyDiodes diodes;
-  diodes.take_over({2, -0.5, -1.5});
-  EXPECT_EQ(diodes[0], Diode::kLower);
-  EXPECT_EQ(diodes[1], Diode::kUpper);
-  EXPECT_EQ(diodes[2], Diode::kUpper);
-  EXPECT_EQ(diodes.floating(), -1);
-  EXPECT_EQ(diodes.upper(), (PhaseValues{0, 1, 1}));
-  diodes.block(1);
-  EXPECT_EQ(diodes.conducting(), 2);
-  EXPECT_EQ(diodes.floating(), 1);
-  diodes.block(2);
-  EXPECT_EQ(diodes.conducting(), 0) << "a single phase cannot conduct";
-}
-
-TEST(BodyDiodes, ACurrentOfAMicroampIsNone) {
-  BodyDiodes diodes;
-  diodes.take_over({1, -1 + 5e-7, -5e-7});
-  EXPECT_EQ(diodes.floating(), 2);
-  diodes.take_over({9e-7, -9e-7, 0});
-  EXPECT_EQ(diodes.conducting(), 0);
-}
-
 class Coast : public testing::TestWithParam<Integrator> {};
 INSTANTIATE_TEST_SUITE_P(BothIntegrators, Coast,
                          testing::Values(Integrator::kDefault, Integrator::kFast),
