@@ -190,6 +190,9 @@ ReplayResult replay(const WireRecording& recording, const std::string& name,
   Bench bench(recorded.options);
   const std::vector<RecordedLine> lines = recorded_lines(bench, recorded.options);
   if (lines != recording.lines) {
+    if (!recording.cut_short.empty()) {
+      throw SetupError(fmt::format("{}, before anything happened", recording.cut_short));
+    }
     throw SetupError(fmt::format("{}: its lines are not those of the bench it describes", name));
   }
   std::optional<Sampler> sampler;

@@ -64,13 +64,13 @@ void print_text(const ReplayResult& result) {
 
 int replay(const ReplayCommand& command) {
   const WireRecording recording = read_wire_recording(command.file);
+  ReplayOptions options = command.options;
+  options.notes = [](std::string_view text) { fmt::print(stderr, "note: {}\n", text); };
+  const ReplayResult result = replay(recording, command.file, options);
   if (!recording.cut_short.empty()) {
     fmt::print(stderr, "note: {}; replayed up to {:.6f} s\n", recording.cut_short,
                seconds(recording.end));
   }
-  ReplayOptions options = command.options;
-  options.notes = [](std::string_view text) { fmt::print(stderr, "note: {}\n", text); };
-  const ReplayResult result = replay(recording, command.file, options);
   if (command.json)
     print_json(result, recording);
   else
