@@ -2,11 +2,15 @@
 // motor.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 #include "core/check.h"
 #include "plant/motor_curves.h"
 #include "plant/motor_file.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
@@ -25,6 +29,16 @@ void read(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+  std::vector<std::vector<std::uint8_t>> seeds;
+  for (const auto& entry : std::filesystem::directory_iterator(VIRTDRIVE_SOURCE_DIR "/data/motors")) {
+    std::ifstream stream(entry.path(), std::ios::binary);
+    seeds.push_back({std::istreambuf_iterator<char>(stream), {}});
+  }
+  return seeds;
+}
+
 }  // namespace virtdrive
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
