@@ -2,13 +2,11 @@
 // motor.
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 #include "core/check.h"
 #include "plant/motor_curves.h"
+#include "plant/motor_data.h"
 #include "plant/motor_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
@@ -32,10 +30,7 @@ void read(std::string_view text) {
 
 std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
   std::vector<std::vector<std::uint8_t>> seeds;
-  for (const auto& entry : std::filesystem::directory_iterator(VIRTDRIVE_SOURCE_DIR "/data/motors")) {
-    std::ifstream stream(entry.path(), std::ios::binary);
-    seeds.push_back({std::istreambuf_iterator<char>(stream), {}});
-  }
+  for (const auto& file : motor_data()) seeds.emplace_back(file.text.begin(), file.text.end());
   return seeds;
 }
 
