@@ -101,6 +101,8 @@ LineSpec parse_line(const Json& json, std::string_view where) {
   line.timing =
       reader.choice("timing", "real", "ideal") == "ideal" ? LineTiming::kIdeal : LineTiming::kReal;
   line.baud = static_cast<int>(reader.number("baud", kLowestBaud, kHighestBaud));
+  line.duplex = reader.choice("duplex", "full", "half") == "half" ? Duplex::kHalf : Duplex::kFull;
+  line.echo = reader.flag("echo");
   reader.no_others();
   return line;
 }
@@ -127,7 +129,9 @@ std::string describe(const RecordedBench& bench) {
   for (const LineSpec& line : options.lines) {
     lines.push_back({{"name", line.name},
                      {"timing", line.timing == LineTiming::kIdeal ? "ideal" : "real"},
-                     {"baud", line.baud.value_or(0)}});
+                     {"baud", line.baud.value_or(0)},
+                     {"duplex", line.duplex == Duplex::kHalf ? "half" : "full"},
+                     {"echo", line.echo}});
   }
   Json drives = Json::array();
   for (const DriveSpec& drive : options.drives) {

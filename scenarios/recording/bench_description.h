@@ -1,7 +1,7 @@
 // What a recording says of its bench, so that a replay can build the same: one line of JSON.
 //
 //   {"virtdrive":1,"seed":1,"integrator":"default",
-//    "lines":[{"name":"line","timing":"real","baud":115200}],
+//    "lines":[{"name":"line","timing":"real","baud":115200,"duplex":"full","echo":false}],
 //    "drives":[{"kind":"toshiba-mcu","name":"","line":"","motors":["db42s03"],"load":"none",...}]}
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace virtdrive {
 
 struct RecordedBench {
-  /// Without nvm, listener and notes; motors and baud rates are named, not left to defaults.
+  /// Without nvm, listener and notes; motors, baud rate and duplex are named, not left to defaults.
   BenchOptions options;
   /// What was recorded beside: to look at the plant is to bring it to the present, which moves the
   /// last bits of its state. None: empty.

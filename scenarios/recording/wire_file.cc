@@ -198,7 +198,8 @@ void WireFile::packet(std::size_t line, const WirePacket& packet) {
       .number(size);
   for (const WireByte& byte : packet.bytes) block.number(byte.byte);
   const std::uint32_t direction = packet.direction == Direction::kRequest ? kInbound : kOutbound;
-  const bool garbled = std::ranges::any_of(packet.bytes, &WireByte::error);
+  const bool garbled = std::ranges::any_of(
+      packet.bytes, [](const WireByte& byte) { return byte.error || byte.collided; });
   const std::uint32_t errors = error_flags(packet.verdict) | (garbled ? kSymbolError : 0U);
   write(block.pad()
             .option(kComment, comment(packet))

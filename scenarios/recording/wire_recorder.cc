@@ -12,7 +12,11 @@ namespace {
 
 // What the bench chose where the options chose nothing.
 BenchOptions with_defaults_named(BenchOptions options, Bench& bench) {
-  for (LineSpec& line : options.lines) line.baud = bench.line(line.name).settings().baud;
+  for (LineSpec& spec : options.lines) {
+    const SerialLine& line = bench.line(spec.name);
+    spec.baud = line.settings().baud;
+    spec.duplex = line.options().duplex;
+  }
   for (std::size_t i = 0; i < options.drives.size(); ++i) {
     std::vector<std::string>& motors = options.drives[i].motors;
     const BenchDrive& drive = *bench.drives()[i];

@@ -155,7 +155,8 @@ class Recording(WireTest):
         )
         bench = json.loads(file.comment)
         self.assertEqual((bench["virtdrive"], bench["seed"]), (1, 7))
-        self.assertEqual(bench["lines"], [{"name": "line", "timing": "real", "baud": 57600}])
+        (line,) = bench["lines"]
+        self.assertEqual((line["name"], line["timing"], line["baud"]), ("line", "real", 57600))
         (drive,) = bench["drives"]
         self.assertEqual((drive["kind"], drive["motors"]), (DRIVE, ["db42s01"]))
         self.assertEqual((drive["load"], drive["set"]), ("brake:5mNm", ["PolePairs=4"]))

@@ -147,7 +147,11 @@ TEST(BenchDescription, IsReadBackWhole) {
                                .set = {"1.PolePairs=4", "Speed=3"},
                                .lenient = true}},
                    .lines = {{.name = "a", .baud = 9600},
-                             {.name = "b", .timing = LineTiming::kIdeal, .baud = 115200}},
+                             {.name = "b",
+                              .timing = LineTiming::kIdeal,
+                              .baud = 115200,
+                              .duplex = Duplex::kHalf,
+                              .echo = true}},
                    .seed = ~std::uint64_t{0},
                    .integrator = Integrator::kFast};
   bench.signals = {"motor1.speed"};
@@ -158,6 +162,8 @@ TEST(BenchDescription, IsReadBackWhole) {
   EXPECT_EQ(again.options.seed, ~std::uint64_t{0});
   EXPECT_EQ(again.options.drives[0].motors.size(), 3U);
   EXPECT_EQ(again.options.lines[1].timing, LineTiming::kIdeal);
+  EXPECT_EQ(again.options.lines[1].duplex, Duplex::kHalf);
+  EXPECT_TRUE(again.options.lines[1].echo);
   EXPECT_EQ(again.options.integrator, Integrator::kFast);
   EXPECT_EQ(again.interval, 250us);
 }
@@ -214,7 +220,7 @@ class Listener final : public WireSink {
 
 struct Monitored {
   EventLoop loop;
-  SerialLine line{loop, {.baud = 115200}};
+  SerialLine line{loop, {.baud = 115200}};  // with a host, and nobody to hear it
   Listener listener;
   LineMonitor monitor{loop, line, 0, "toshiba-mcu", {&listener}};
 };
