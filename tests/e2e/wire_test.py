@@ -346,6 +346,7 @@ class Divergence(WireTest):
         def talk(host):
             host.version()
             host.listen(0.05)
+            host.version()
 
         file = self.record("a.pcapng", talk, "--line", "ideal")
         data = pathlib.Path(self.path("a.pcapng")).read_bytes()
