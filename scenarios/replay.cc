@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "plant/motor_library.h"
 #include "scenarios/recording/bench_description.h"
 #include "scenarios/recording/sampler.h"
 #include "scenarios/recording/wire_recorder.h"
@@ -19,28 +20,38 @@ namespace {
 
 using protocol::Direction;
 
-// Files that hold the drives' memories while a replay runs.
-class MemoryFiles {
+// The recording's files, while a replay runs.
+class GivenFiles {
  public:
-  MemoryFiles(const WireRecording& recording, const std::string& name, BenchOptions& options) {
-    for (const RecordedMemory& memory : recording.memories) {
-      if (memory.drive >= options.drives.size()) {
-        throw SetupError(fmt::format("{}: holds the memory of a drive that it has not", name));
-      }
-      if (folder_.empty()) folder_ = make_folder();
-      const std::string path = (folder_ / fmt::format("drive{}", memory.drive)).string();
-      std::ofstream(path, std::ios::binary)
-          .write(reinterpret_cast<const char*>(memory.file.data()),
-                 static_cast<std::streamsize>(memory.file.size()));
-      options.drives[memory.drive].nvm = path;
-    }
+  GivenFiles(const WireRecording& recording, const std::string& name) : name_(name) {
+    if (!recording.files.empty()) folder_ = make_folder();
   }
-  ~MemoryFiles() {
+  ~GivenFiles() {
     std::error_code ignored;
     if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
   }
-  MemoryFiles(const MemoryFiles&) = delete;
-  MemoryFiles& operator=(const MemoryFiles&) = delete;
+  GivenFiles(const GivenFiles&) = delete;
+  GivenFiles& operator=(const GivenFiles&) = delete;
+
+  /// Puts the drives' files in the place of those that they were made from.
+  void give(const WireRecording& recording, std::vector<DriveSpec>& drives) const {
+    for (const RecordedFile& file : recording.files) {
+      const bool memory = file.role == RecordedFile::kMemory;
+      const std::size_t motor = file.role - RecordedFile::kMotor;
+      if (file.drive >= drives.size() || (!memory && motor >= drives[file.drive].motors.size())) {
+        throw SetupError(fmt::format("{}: holds a file for a drive that it has not", name_));
+      }
+      std::string& path = memory ? drives[file.drive].nvm : drives[file.drive].motors[motor];
+      path = write(file, memory ? "memory" : path);
+    }
+    for (const DriveSpec& drive : drives) {
+      for (const std::string& motor : drive.motors) {
+        if (is_motor_file(motor) && !motor.starts_with(folder_.string() + "/")) {
+          throw SetupError(fmt::format("{}: does not hold the motor's file {}", name_, motor));
+        }
+      }
+    }
+  }
 
  private:
   static std::filesystem::path make_folder() {
@@ -52,7 +63,18 @@ class MemoryFiles {
     return pattern;
   }
 
-  std::filesystem::path folder_;
+  // Under the name that it had: a motor's file is described by it.
+  std::string write(const RecordedFile& file, const std::string& file_name) const {
+    const auto place = folder_ / fmt::format("drive{}-{}", file.drive, file.role);
+    const auto path = place / std::filesystem::path(file_name).filename();
+    std::filesystem::create_directory(place);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(file.content.data()), std::ssize(file.content));
+    return path.string();
+  }
+
+  std::string name_;
+  std::filesystem::path folder_;  // empty: there are no files
 };
 
 // Holds what the drives say on one line against the recording.
@@ -156,8 +178,9 @@ class Comparisons final : public WireSink {
 };
 
 RecordedBench bench_of(const WireRecording& recording, const std::string& name,
-                       const ReplayOptions& options) {
+                       const GivenFiles& files, const ReplayOptions& options) {
   RecordedBench bench = parse_bench(recording.bench, name);
+  files.give(recording, bench.options.drives);
   if (options.seed) bench.options.seed = *options.seed;
   for (DriveSpec& drive : bench.options.drives) {
     if (!options.motors.empty()) drive.motors = options.motors;
@@ -185,8 +208,8 @@ void act(Bench& bench, const std::vector<RecordedLine>& lines, const HostAction&
 
 ReplayResult replay(const WireRecording& recording, const std::string& name,
                     const ReplayOptions& options) {
-  RecordedBench recorded = bench_of(recording, name, options);
-  const MemoryFiles memories(recording, name, recorded.options);
+  const GivenFiles files(recording, name);
+  const RecordedBench recorded = bench_of(recording, name, files, options);
   Bench bench(recorded.options);
   const std::vector<RecordedLine> lines = recorded_lines(bench, recorded.options);
   if (lines != recording.lines) {

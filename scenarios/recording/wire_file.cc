@@ -157,16 +157,16 @@ std::uint8_t parity_code(std::optional<Parity> parity) {
 }  // namespace
 
 WireFile::WireFile(const std::string& path, std::string_view bench,
-                   const std::vector<RecordedLine>& lines,
-                   const std::vector<RecordedMemory>& memories)
+                   const std::vector<RecordedLine>& lines, const std::vector<RecordedFile>& files)
     : file_("--wire", path) {
   write(section(bench));
   for (const RecordedLine& line : lines) write(interface(line));
-  for (const RecordedMemory& memory : memories) {
-    write(Block(kMemory)
-              .number(static_cast<std::uint32_t>(memory.drive))
-              .number(static_cast<std::uint32_t>(memory.file.size()))
-              .raw(memory.file)
+  for (const RecordedFile& file : files) {
+    write(Block(kFile)
+              .number(static_cast<std::uint32_t>(file.drive))
+              .number(static_cast<std::uint32_t>(file.role))
+              .number(static_cast<std::uint32_t>(file.content.size()))
+              .raw(file.content)
               .end());
   }
 }

@@ -26,10 +26,14 @@ struct RecordedLine {
   friend bool operator==(const RecordedLine&, const RecordedLine&) = default;
 };
 
-/// What a drive's file of non-volatile memory held at the start.
-struct RecordedMemory {
+/// What a file that a drive was made from held at the start.
+struct RecordedFile {
+  static constexpr std::size_t kMemory = 0;  // its non-volatile memory
+  static constexpr std::size_t kMotor = 1;   // the first of its motors, and so on
+
   std::size_t drive = 0;  // of the bench's drives
-  std::vector<std::uint8_t> file = {};
+  std::size_t role = kMemory;
+  std::vector<std::uint8_t> content = {};
 };
 
 class WireFile final : public WireSink {
@@ -37,7 +41,7 @@ class WireFile final : public WireSink {
   /// Opens `path` anew. `bench` describes it (bench_description.h). SetupError if the file cannot
   /// be written.
   WireFile(const std::string& path, std::string_view bench, const std::vector<RecordedLine>& lines,
-           const std::vector<RecordedMemory>& memories);
+           const std::vector<RecordedFile>& files);
 
   void host_settings(std::size_t line, HostInstant when, const HostSettings& settings) override;
   void host_write(std::size_t line, HostInstant when, std::span<const std::uint8_t> bytes) override;

@@ -14,7 +14,7 @@ namespace virtdrive::wire_format {
 inline constexpr std::uint32_t kSection = 0x0A0D0D0A;
 inline constexpr std::uint32_t kInterface = 1;
 inline constexpr std::uint32_t kPacket = 6;
-inline constexpr std::uint32_t kMemory = 0x80766401;
+inline constexpr std::uint32_t kFile = 0x80766401;
 inline constexpr std::uint32_t kHostSettings = 0x80766402;
 inline constexpr std::uint32_t kHostWrite = 0x80766403;
 inline constexpr std::uint32_t kEnd = 0x80766404;

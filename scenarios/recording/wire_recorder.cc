@@ -1,17 +1,19 @@
 #include "scenarios/recording/wire_recorder.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "core/check.h"
+#include "plant/motor_library.h"
 
 namespace virtdrive {
 namespace {
 
-// What the bench chose where the options chose nothing.
-BenchOptions with_defaults_named(BenchOptions options, Bench& bench) {
+// What the bench chose where the options chose nothing; a motor's file loses its folder.
+BenchOptions as_recorded(BenchOptions options, Bench& bench) {
   for (LineSpec& spec : options.lines) {
     const SerialLine& line = bench.line(spec.name);
     spec.baud = line.settings().baud;
@@ -19,20 +21,28 @@ BenchOptions with_defaults_named(BenchOptions options, Bench& bench) {
   }
   for (std::size_t i = 0; i < options.drives.size(); ++i) {
     std::vector<std::string>& motors = options.drives[i].motors;
-    const BenchDrive& drive = *bench.drives()[i];
-    if (motors.empty()) motors.emplace_back(drive.motor(0).name);
+    if (motors.empty()) motors.emplace_back(bench.drives()[i]->motor(0).name);
+    for (std::string& motor : motors) motor = std::filesystem::path(motor).filename().string();
   }
   return options;
 }
 
-std::vector<RecordedMemory> memories(const BenchOptions& options) {
-  std::vector<RecordedMemory> memories;
+// What the drives were made from; files that are not there yet, and names of the library, are not.
+std::vector<RecordedFile> files_of(const BenchOptions& options) {
+  std::vector<RecordedFile> files;
+  const auto add = [&](std::size_t drive, std::size_t role, const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    if (stream) files.push_back({drive, role, {std::istreambuf_iterator<char>(stream), {}}});
+  };
   for (std::size_t i = 0; i < options.drives.size(); ++i) {
-    std::ifstream stream(options.drives[i].nvm, std::ios::binary);
-    if (!stream) continue;  // not there yet
-    memories.push_back({i, {std::istreambuf_iterator<char>(stream), {}}});
+    const DriveSpec& drive = options.drives[i];
+    add(i, RecordedFile::kMemory, drive.nvm);
+    for (std::size_t motor = 0; motor < drive.motors.size(); ++motor) {
+      if (is_motor_file(drive.motors[motor]))
+        add(i, RecordedFile::kMotor + motor, drive.motors[motor]);
+    }
   }
-  return memories;
+  return files;
 }
 
 }  // namespace
@@ -53,13 +63,13 @@ std::vector<RecordedLine> recorded_lines(Bench& bench, const BenchOptions& optio
 WireRecorder::WireRecorder(const std::string& path, Bench& bench, RecordedBench recorded,
                            WireSink* also)
     : bench_(bench) {
-  const std::vector<RecordedMemory> held = memories(recorded.options);
-  recorded.options = with_defaults_named(std::move(recorded.options), bench);
+  const std::vector<RecordedFile> files = files_of(recorded.options);
+  recorded.options = as_recorded(std::move(recorded.options), bench);
   const std::vector<RecordedLine> lines = recorded_lines(bench, recorded.options);
   std::vector<WireSink*> sinks;
   if (also != nullptr) sinks.push_back(also);
   if (!path.empty()) {
-    file_ = std::make_unique<WireFile>(path, describe(recorded), lines, held);
+    file_ = std::make_unique<WireFile>(path, describe(recorded), lines, files);
     sinks.push_back(file_.get());
   }
   for (const RecordedLine& line : lines) {

@@ -167,8 +167,8 @@ class Parser {
         return interface(cursor);
       case kPacket:
         return packet(cursor);
-      case kMemory:
-        return memory(cursor);
+      case kFile:
+        return file(cursor);
       case kHostSettings:
         return host_settings(cursor);
       case kHostWrite:
@@ -253,11 +253,13 @@ class Parser {
     return times;
   }
 
-  void memory(Cursor& cursor) {
-    RecordedMemory memory{.drive = cursor.number<std::uint32_t>()};
+  void file(Cursor& cursor) {
+    RecordedFile file;
+    file.drive = cursor.number<std::uint32_t>();
+    file.role = cursor.number<std::uint32_t>();
     const auto bytes = cursor.take(cursor.number<std::uint32_t>());
-    memory.file.assign(bytes.begin(), bytes.end());
-    recording_.memories.push_back(std::move(memory));
+    file.content.assign(bytes.begin(), bytes.end());
+    recording_.files.push_back(std::move(file));
   }
 
   HostAction host_action(Cursor& cursor) {

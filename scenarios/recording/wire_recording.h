@@ -32,7 +32,7 @@ struct RecordedPacket {
 struct WireRecording {
   std::string bench;  // its description
   std::vector<RecordedLine> lines = {};
-  std::vector<RecordedMemory> memories = {};
+  std::vector<RecordedFile> files = {};
   std::vector<HostAction> actions = {};
   std::vector<RecordedPacket> packets = {};
   SimTime end = kSimStart;

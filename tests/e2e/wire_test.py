@@ -14,7 +14,7 @@ sys.dont_write_bytecode = True
 
 import pcapng
 import toshiba_mcu as mcu
-from program import DRIVE, ProgramTest
+from program import DRIVE, SOURCE, ProgramTest
 from toshiba_mcu import Host
 
 MOTOR = 1
@@ -25,7 +25,7 @@ CRC_ERROR = bytes.fromhex("11 ee 01 83 13")
 
 # docs/recordings.md
 LINKTYPE_USER0 = 147
-MEMORY, HOST_SETTINGS, HOST_WRITE, END = 0x80766401, 0x80766402, 0x80766403, 0x80766404
+FILE, HOST_SETTINGS, HOST_WRITE, END = 0x80766401, 0x80766402, 0x80766403, 0x80766404
 BYTE_TIMES = 0x8001
 CRC, TOO_SHORT, UNALIGNED, START = 1 << 8, 1 << 10, 1 << 12, 1 << 13  # of the error bits
 
@@ -283,13 +283,22 @@ class Replay(WireTest):
             host.store(MOTOR)
 
         file = self.record("a.pcapng", talk, "--nvm", memory)
-        self.assertIn(MEMORY, [block.type for block in file.others])
+        self.assertIn(FILE, [block.type for block in file.others])
         stored = pathlib.Path(memory).read_bytes()
         os.remove(memory)
         result = self.replay("a.pcapng")
         self.assertTrue(result["identical"])
         self.assertFalse(os.path.exists(memory), "a replay touches no file of the run")
         self.assertIn(b"virtdrive-nvm", stored)
+
+    def test_a_motor_of_ones_own_is_part_of_the_recording(self):
+        motor = pathlib.Path(self.path("mine.yaml"))
+        library = SOURCE / "data/motors/db42s01.yaml"
+        motor.write_text(library.read_text().replace("name: db42s01", "name: mine"))
+        file = self.record("a.pcapng", turn_a_motor, "--motor", motor)
+        self.assertEqual(json.loads(file.comment)["drives"][0]["motors"], ["mine.yaml"])
+        motor.unlink()
+        self.assert_replays("a.pcapng")
 
     def test_over_a_network_with_parity(self):
         name = self.path("a.pcapng")

@@ -141,7 +141,7 @@ TEST_F(ReplayTest, ADescriptionOfOtherLinesIsRefused) {
   recording.lines[0].baud = 9600;
   EXPECT_THROW(replay(recording, path_), SetupError);
   recording.lines[0].baud = 115200;
-  recording.memories.push_back({.drive = 1});
+  recording.files.push_back({.drive = 1});
   EXPECT_THROW(replay(recording, path_), SetupError);
 }
 

@@ -29,7 +29,7 @@ class WireRecordingTest : public testing::Test {
   // A packet of two bytes from each end, and what else there is.
   Bytes record() {
     WireFile file(path_, "{}", {{"bus", "md485", 9600}, {"console", "rzt1", 115200}},
-                  {{.drive = 1, .file = {9, 8, 7}}});
+                  {{.drive = 1, .role = RecordedFile::kMotor, .content = {9, 8, 7}}});
     file.host_settings(1, {kSimStart + 5ns, true},
                        {.baud = 19200, .stop_bits = 2, .data_bits = 7, .parity = Parity::kOdd});
     file.host_write(0, {kSimStart + 1s, false}, Bytes{1, 2, 3});
@@ -62,9 +62,10 @@ TEST_F(WireRecordingTest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(recording.bench, "{}");
   EXPECT_EQ(recording.lines,
             (std::vector<RecordedLine>{{"bus", "md485", 9600}, {"console", "rzt1", 115200}}));
-  ASSERT_EQ(recording.memories.size(), 1U);
-  EXPECT_EQ(recording.memories[0].drive, 1U);
-  EXPECT_EQ(recording.memories[0].file, (Bytes{9, 8, 7}));
+  ASSERT_EQ(recording.files.size(), 1U);
+  EXPECT_EQ(recording.files[0].drive, 1U);
+  EXPECT_EQ(recording.files[0].role, RecordedFile::kMotor);
+  EXPECT_EQ(recording.files[0].content, (Bytes{9, 8, 7}));
 
   ASSERT_EQ(recording.actions.size(), 2U);
   EXPECT_EQ(recording.actions[0].line, 1U);
