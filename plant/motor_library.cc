@@ -22,11 +22,6 @@ Motor built_in(const EmbeddedFile& file) {
   return parse_motor(YamlFile(std::string(file.name), file.text));
 }
 
-bool is_path(std::string_view text) {
-  return text.find('/') != std::string_view::npos || text.ends_with(".yaml") ||
-         text.ends_with(".yml");
-}
-
 }  // namespace
 
 std::vector<Motor> motor_library() {
@@ -41,8 +36,13 @@ std::vector<std::string_view> motor_names() {
   return names;
 }
 
+bool is_motor_file(std::string_view text) {
+  return text.find('/') != std::string_view::npos || text.ends_with(".yaml") ||
+         text.ends_with(".yml");
+}
+
 Motor find_motor(std::string_view name_or_path) {
-  if (is_path(name_or_path)) return parse_motor(YamlFile::read(std::string(name_or_path)));
+  if (is_motor_file(name_or_path)) return parse_motor(YamlFile::read(std::string(name_or_path)));
   const auto found = std::ranges::find(motor_data(), name_or_path, motor_name);
   if (found != motor_data().end()) return built_in(*found);
   throw SetupError(unknown_name("motor", name_or_path, motor_names()) +

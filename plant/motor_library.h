@@ -49,7 +49,10 @@ struct Motor {
 std::vector<Motor> motor_library();
 std::vector<std::string_view> motor_names();
 
-/// A built-in motor, or one from a file: what ends in .yaml or .yml or has a slash in it is a path.
+/// Whether that is the path of a motor's file: it ends in .yaml or .yml or has a slash in it.
+bool is_motor_file(std::string_view name_or_path);
+
+/// A built-in motor, or one from a file.
 /// SetupError with the nearest names for an unknown one, with file, line and column for a bad file.
 Motor find_motor(std::string_view name_or_path);
 

@@ -144,6 +144,7 @@ void SerialLine::set_host(const HostSettings& host) {
   host_ = host;
   check_settings(host_line());
   wires(LineDirection::kToHost).tune(host_ear_, host_line());
+  if (host_tap_) host_tap_({}, host_, loop_.now());
 }
 
 void SerialLine::set_faults(LineDirection direction, const LineFaults& faults) {

@@ -108,7 +108,8 @@ class SerialLine {
     return std::exchange(host_listener_, std::move(listener));
   }
 
-  /// What a recording needs in order to replay a live host: each host_send, as it was called.
+  /// What a recording needs in order to replay a live host: each host_send, as it was called, and
+  /// each set_host, with no bytes.
   using HostTap = std::function<void(std::span<const std::uint8_t>, const HostSettings&, SimTime)>;
   void on_host_send(HostTap tap) { host_tap_ = std::move(tap); }
 

@@ -16,6 +16,8 @@ class OutputFile {
 
   /// An error is kept until close().
   void write(std::string_view text);
+  /// Hands what was written to the system: a kill takes no more than what comes after.
+  void flush() { std::fflush(file_.get()); }
   /// SetupError if not all of it could be written.
   void close();
 

@@ -67,7 +67,9 @@ class Decoder {
   const Frame& frame() const { return frame_; }
   /// The bytes of the frame that push() or next() just told of, or else of the one under way.
   std::span<const std::uint8_t> bytes() const;
-  bool idle() const { return buffer_.size() == ended_; }
+  bool idle() const { return pending() == 0; }
+  /// Bytes taken that no event was about yet.
+  std::size_t pending() const { return buffer_.size() - ended_; }
   void reset();
 
  private:

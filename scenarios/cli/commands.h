@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scenarios/bench.h"
+#include "scenarios/replay.h"
 
 namespace virtdrive {
 
@@ -24,6 +25,7 @@ struct RunOptions {
   std::string record;
   std::vector<std::string> signals;
   double interval_s = 1e-3;
+  std::string wire;  // file of what passes on the line; empty: none
   std::optional<double> duration_s;
   std::string start;  // [CHANNEL:]RPM
   bool trace = false;
@@ -46,6 +48,14 @@ struct MotorOptions {
   bool keys = false;    // the same as a Markdown table
 };
 int motor(const MotorOptions& options);
+
+struct ReplayCommand {
+  std::string file;
+  ReplayOptions options;
+  bool json = false;
+};
+/// kExitFailed if the drives do not say what they said.
+int replay(const ReplayCommand& command);
 
 int list_drives(bool names_only);
 int list_motors();

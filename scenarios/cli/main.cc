@@ -122,6 +122,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->add_option("--interval", options->interval_s, "Seconds between two rows of the recording")
       ->check(CLI::Range(1e-6, 1e3))
       ->capture_default_str();
+  command
+      ->add_option("--wire", options->wire,
+                   "Record the line to this pcapng file, for Wireshark and 'virtdrive replay'")
+      ->check(not_empty());
   command->add_option("--duration", options->duration_s, "End after so many simulated seconds")
       ->check(CLI::Range(0.0, 1e9));
   command->add_flag("--json", options->json, "Ready line and report as JSON, a line each");
@@ -145,6 +149,25 @@ void add_demo(CLI::App& app, std::function<int()>& action) {
                    "Write plots of it all to this HTML file; \"\" for none")
       ->capture_default_str();
   command->callback([options, &action] { action = [options] { return demo(*options); }; });
+}
+
+void add_replay(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Play a recorded host again and compare what the drive says, byte by byte");
+  auto replayed = std::make_shared<ReplayCommand>();
+  ReplayOptions& options = replayed->options;
+  command->add_option("FILE", replayed->file, "A recording of 'run --wire'")->required();
+  command->add_option("--wire", options.wire, "Record the replay to this file")->check(not_empty());
+  command->add_option("--motor", options.motors, "Another motor, or one a channel (A,B,C)")
+      ->delimiter(',');
+  command->add_option("--load", options.load, kLoadHelp)->check(not_empty());
+  command->add_option("--seed", options.seed, "Another seed of all noise")->check(not_negative());
+  command
+      ->add_option("--set", options.set,
+                   "[CHANNEL.]PARAMETER=VALUE[UNIT], beside the recorded ones; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--json", replayed->json, "The result as a line of JSON");
+  command->callback([replayed, &action] { action = [replayed] { return replay(*replayed); }; });
 }
 
 void add_list(CLI::App& app, std::function<int()>& action) {
@@ -221,6 +244,7 @@ int run_program(int argc, char** argv) {
   std::function<int()> action;
   add_run(app, action);
   add_demo(app, action);
+  add_replay(app, action);
   add_list(app, action);
   add_motor(app, action);
   add_document(app, action);

@@ -14,6 +14,7 @@
 #include "pty/tcp_endpoint.h"
 #include "scenarios/cli/commands.h"
 #include "scenarios/recording/recorder.h"
+#include "scenarios/recording/wire_recorder.h"
 
 namespace virtdrive {
 namespace {
@@ -227,6 +228,11 @@ int run(const RunOptions& options) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
                      from_seconds(options.interval_s));
   }
+  std::optional<WireRecorder> wire;
+  if (!options.wire.empty()) {
+    wire.emplace(options.wire, bench,
+                 RecordedBench{options.bench, options.signals, from_seconds(options.interval_s)});
+  }
   if (start) start_motor(bench, *start);
   const SimTime until = options.duration_s ? kSimStart + from_seconds(*options.duration_s) : kNever;
   Runner runner(bench.loop(),
@@ -240,6 +246,7 @@ int run(const RunOptions& options) {
     console.print_line("free run: simulated time passes much faster than a host program expects");
   }
   const PacingReport pacing = runner.run();
+  if (wire) wire->close();
   if (recorder) recorder->close();
   report(options, bench, port, pacing, console);
   return kExitOk;

@@ -30,7 +30,7 @@ class Bench:
         self.stderr = tempfile.TemporaryFile("w+")
         test.addCleanup(self.stderr.close)
         self.process = subprocess.Popen(
-            [PROGRAM, "run", DRIVE, "--link", link, "--json", *arguments],
+            [PROGRAM, "run", DRIVE, "--json", *(["--link", link] if link else []), *arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=self.stderr,
@@ -111,8 +111,10 @@ class ProgramTest(unittest.TestCase):
         return sorted(entry.name for entry in self.folder.iterdir())
 
     def bench(self, *arguments, link="drive"):
-        """A bench of the drive under `link` in the test's folder."""
-        return Bench(self, [str(argument) for argument in arguments], self.path(link))
+        """A bench of the drive under `link`, if that is not None, in the test's folder."""
+        return Bench(
+            self, [str(argument) for argument in arguments], link and self.path(link)
+        )
 
     def run_program(self, *arguments, stdin=""):
         """The program with these arguments, run to its end."""

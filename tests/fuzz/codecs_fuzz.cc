@@ -1,14 +1,17 @@
-// Every decoder takes any bytes: no crash, bounded buffers, and what it decodes encodes to what it
-// read.
+// Every decoder and framer takes any bytes: no crash, bounded buffers, what a decoder decodes
+// encodes to what it read, and a framer's runs hold each byte once.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/check.h"
 #include "devices/asd7/codec.h"
+#include "devices/framers.h"
 #include "devices/md485/codec.h"
 #include "devices/rzt1/codec.h"
 #include "devices/toshiba_mcu/codec.h"
+#include "tests/devices/vectors.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
@@ -43,6 +46,36 @@ void push_all(Decoder decoder, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) decoder.push(byte);
 }
 
+// The first bit of each byte's predecessor tells whose the byte is.
+void frames_each_byte_once(std::string_view protocol, std::span<const std::uint8_t> bytes) {
+  const auto framer = make_framer(protocol);
+  std::size_t held[2] = {};
+  std::uint8_t before = 0;
+  std::vector<protocol::Run> runs;
+  const auto take_runs = [&](std::size_t& lane) {
+    for (const protocol::Run& run : runs) {
+      VIRTDRIVE_CHECK(run.size > 0 && run.size <= lane, "{}: {} of {}", protocol, run.size, lane);
+      lane -= run.size;
+    }
+    VIRTDRIVE_CHECK(lane <= protocol::Framer::kMostHeld, "{}: holds {}", protocol, lane);
+    runs.clear();
+  };
+  for (const std::uint8_t byte : bytes) {
+    const Direction direction = (before & 1) != 0 ? Direction::kReply : Direction::kRequest;
+    std::size_t& lane = held[static_cast<std::size_t>(direction)];
+    ++lane;
+    framer->push(direction, byte, runs);
+    take_runs(lane);
+    before = byte;
+  }
+  for (const Direction direction : {Direction::kRequest, Direction::kReply}) {
+    std::size_t& lane = held[static_cast<std::size_t>(direction)];
+    framer->expire(direction, runs);
+    take_runs(lane);
+    VIRTDRIVE_CHECK(lane == 0, "{}: {} bytes in no run", protocol, lane);
+  }
+}
+
 void decode(std::span<const std::uint8_t> bytes) {
   for (const Direction direction : {Direction::kRequest, Direction::kReply}) {
     toshiba_mcu_round_trip(direction, bytes);
@@ -51,9 +84,23 @@ void decode(std::span<const std::uint8_t> bytes) {
   }
   push_all(rzt1::Decoder(), bytes);
   push_all(rzt1::LineReplyDecoder(), bytes);
+  for (const std::string_view protocol :
+       {toshiba_mcu::kTable.name, md485::kTable.name, rzt1::kTable.name, asd7::kTable.name}) {
+    frames_each_byte_once(protocol, bytes);
+  }
 }
 
 }  // namespace
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+  std::vector<std::vector<std::uint8_t>> seeds;
+  for (const char* file :
+       {"vectors_toshiba_mcu.csv", "vectors_rzt1.csv", "vectors_md485.csv", "vectors_asd7.csv"}) {
+    for (const Vector& vector : read_vectors(file)) seeds.push_back(vector.bytes);
+  }
+  return seeds;
+}
+
 }  // namespace virtdrive
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,7 +6,9 @@
 
 #include "core/check.h"
 #include "plant/motor_curves.h"
+#include "plant/motor_data.h"
 #include "plant/motor_file.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
@@ -25,6 +27,13 @@ void read(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+  std::vector<std::vector<std::uint8_t>> seeds;
+  for (const auto& file : motor_data()) seeds.emplace_back(file.text.begin(), file.text.end());
+  return seeds;
+}
+
 }  // namespace virtdrive
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,40 +1,37 @@
-// The fuzz targets' function on golden frames, cut and flipped: a taste of the fuzzer in every
-// build.
+// A fuzz target's function on its seeds, whole, cut, spliced and flipped: a taste of the fuzzer in
+// every build.
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "tests/devices/vectors.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
 
-std::vector<std::uint8_t> hostile(RandomStream& random, const std::vector<Vector>& vectors) {
-  std::vector<std::uint8_t> bytes;
-  const std::size_t frames = 1 + random.bits() % 8;
-  for (std::size_t i = 0; i < frames; ++i) {
-    std::vector<std::uint8_t> frame = vectors[random.bits() % vectors.size()].bytes;
-    if (random.bits() % 3 == 0) frame.resize(random.bits() % (frame.size() + 1));
-    if (random.bits() % 3 == 0 && !frame.empty()) {
-      frame[random.bits() % frame.size()] ^= static_cast<std::uint8_t>(random.bits());
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes hostile(RandomStream& random, const std::vector<Bytes>& seeds) {
+  Bytes bytes;
+  const std::size_t parts = 1 + random.bits() % 4;
+  for (std::size_t i = 0; i < parts; ++i) {
+    Bytes part = seeds[random.bits() % seeds.size()];
+    if (random.bits() % 3 == 0) part.resize(random.bits() % (part.size() + 1));
+    for (std::size_t flips = random.bits() % 4; flips > 0 && !part.empty(); --flips) {
+      part[random.bits() % part.size()] ^= static_cast<std::uint8_t>(random.bits());
     }
-    bytes.insert(bytes.end(), frame.begin(), frame.end());
+    bytes.insert(bytes.end(), part.begin(), part.end());
+    if (random.bits() % 2 == 0) break;
   }
   return bytes;
 }
 
-TEST(FuzzTarget, SurvivesGoldenFramesCutAndFlipped) {
-  std::vector<Vector> vectors;
-  for (const char* file :
-       {"vectors_toshiba_mcu.csv", "vectors_rzt1.csv", "vectors_md485.csv", "vectors_asd7.csv"}) {
-    const auto more = read_vectors(file);
-    ASSERT_FALSE(more.empty()) << file;
-    vectors.insert(vectors.end(), more.begin(), more.end());
-  }
+TEST(FuzzTarget, SurvivesItsSeedsWholeCutAndFlipped) {
+  const std::vector<Bytes> seeds = fuzz_seeds();
+  ASSERT_FALSE(seeds.empty());
+  for (const Bytes& seed : seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
   RandomStream random = Seed{1}.stream("fuzz");
-  for (int i = 0; i < 200; ++i) {
-    const auto bytes = hostile(random, vectors);
+  for (int i = 0; i < 300; ++i) {
+    const Bytes bytes = hostile(random, seeds);
     LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
   }
 }

@@ -7,6 +7,8 @@
 
 #include "core/check.h"
 #include "scenarios/bench.h"
+#include "tests/devices/vectors.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
@@ -47,6 +49,17 @@ void hear(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+  std::vector<std::vector<std::uint8_t>> seeds;
+  for (const Vector& vector : read_vectors("vectors_toshiba_mcu.csv")) {
+    if (vector.direction != "request") continue;
+    seeds.push_back({63});  // how the burst is cut: in pieces of 64
+    seeds.back().insert(seeds.back().end(), vector.bytes.begin(), vector.bytes.end());
+  }
+  return seeds;
+}
+
 }  // namespace virtdrive
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

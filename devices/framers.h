@@ -1,0 +1,15 @@
+// The framers of the protocols that there are.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "devices/protocol/framer.h"
+
+namespace virtdrive {
+
+/// Of a protocol by its table's name, e.g. "toshiba-mcu". There is one for each protocol that has a
+/// codec; VIRTDRIVE_CHECK for any other name.
+std::unique_ptr<protocol::Framer> make_framer(std::string_view protocol);
+
+}  // namespace virtdrive
