@@ -16,6 +16,8 @@ class SerialPort {
   /// Queues bytes behind those still leaving; returns when the last bit of the last one will be
   /// out.
   virtual SimTime send(std::span<const std::uint8_t> bytes) = 0;
+  /// The device sets its UART to another baud rate; without effect where there is no wire.
+  virtual void set_baud(int) {}
 };
 
 /// A device's receiver: called in Phase::kBytes, at the instant a byte's last bit has arrived.

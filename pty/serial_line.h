@@ -60,7 +60,7 @@ class LineEnd final : public SerialPort {
   SimTime send(std::span<const std::uint8_t> bytes) override;
 
   /// What is queued keeps its settings. The timing is the line's.
-  void set_baud(int baud);
+  void set_baud(int baud) override;
   void set_settings(const LineSettings& settings);
   const LineSettings& settings() const { return settings_; }
 

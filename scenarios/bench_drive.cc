@@ -59,7 +59,7 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
 
 std::unique_ptr<Drive> BenchDrive::make_drive(const DriveSpec& spec, const Surroundings& bench) {
   return kind_.make({.loop = loop_,
-                     .ports = {line_ends_.begin(), line_ends_.end()},
+                     .ports = line_ends_,
                      .seed = seed_,
                      .memory = *memory_,
                      .motors = motors_,

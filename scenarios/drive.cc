@@ -1,15 +1,21 @@
 #include "scenarios/drive.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/check.h"
 #include "core/names.h"
+#include "scenarios/drives/md.h"
 #include "scenarios/drives/toshiba_mcu.h"
 
 namespace virtdrive {
 
 const std::vector<DriveKind>& drive_catalogue() {
-  static const std::vector<DriveKind> catalogue = {toshiba_mcu_kind()};
+  static const std::vector<DriveKind> catalogue = [] {
+    std::vector<DriveKind> kinds = {toshiba_mcu_kind()};
+    for (DriveKind& kind : md_kinds()) kinds.push_back(std::move(kind));
+    return kinds;
+  }();
   return catalogue;
 }
 

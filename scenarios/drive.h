@@ -26,7 +26,7 @@ namespace virtdrive {
 /// What a drive is built from.
 struct DriveContext {
   EventLoop& loop;
-  std::vector<SerialPort*> ports;  // its transmitters, one a port; null where no line is
+  std::vector<LineEnd*> ports;  // its transmitters, one a port; null where no line is
   const Seed& seed;
   NonVolatileMemory& memory;
   std::span<const Motor> motors;  // one a channel

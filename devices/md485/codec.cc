@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "devices/md485/model_table.h"
 #include "devices/protocol/checksum.h"
 
 namespace virtdrive::md485 {
@@ -19,6 +20,17 @@ std::vector<std::uint8_t> encode(std::uint8_t to, std::uint8_t from, std::uint8_
   return bytes;
 }
 
+// A text is as long as its frame says.
+std::vector<Field> fields_of(const Frame& frame, bool request, std::size_t bytes) {
+  if (frame.command != nullptr) {
+    return {frame.command->request.begin(), frame.command->request.end()};
+  }
+  if (frame.parameter->type == WireType::kText && bytes > 0 && bytes <= frame.parameter->count) {
+    return {{.name = frame.parameter->name, .type = WireType::kText, .count = bytes}};
+  }
+  return request ? write_fields(*frame.parameter) : protocol::value_fields(*frame.parameter);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_request(Route route, const CommandRow& row,
@@ -28,7 +40,7 @@ std::vector<std::uint8_t> encode_request(Route route, const CommandRow& row,
 
 std::vector<std::uint8_t> encode_request(Route route, const ParameterRow& row,
                                          const protocol::Values& values) {
-  return encode(kController, route.host, route.id, row.id, protocol::value_fields(row), values);
+  return encode(kController, route.host, route.id, row.id, write_fields(row), values);
 }
 
 std::vector<std::uint8_t> encode_reply(Route route, const ParameterRow& row,
@@ -47,8 +59,11 @@ std::span<const std::uint8_t> Decoder::bytes() const {
 }
 
 bool Decoder::can_start() const {
-  if (direction_ == protocol::Direction::kRequest) return buffer_[0] == kController;
-  return buffer_[0] == host_ && (buffer_.size() < 2 || buffer_[1] == kController);
+  if (direction_ == protocol::Direction::kReply) {
+    return buffer_[0] == host_ && (buffer_.size() < 2 || buffer_[1] == kController);
+  }
+  if (buffer_[0] == kController) return true;
+  return hosts_[buffer_[0]] && (buffer_.size() < 2 || buffer_[1] == kController);
 }
 
 Decoder::Event Decoder::push(std::uint8_t byte) {
@@ -85,17 +100,16 @@ Decoder::Event Decoder::expire() {
 
 Decoder::Event Decoder::read(std::span<const std::uint8_t> bytes) {
   const bool request = direction_ == protocol::Direction::kRequest;
+  if (request && bytes[0] != kController) return Event::kNoise;
+  if (request) hosts_.set(bytes[1]);
   const std::uint8_t pid = bytes[3];
   frame_ = {.route = {.host = bytes[request ? 1 : 0], .id = bytes[2]}, .pid = pid};
   frame_.command = request ? protocol::find(kTable.commands, pid) : nullptr;
   frame_.parameter = frame_.command != nullptr ? nullptr : protocol::find(kTable.parameters, pid);
   if (frame_.command == nullptr && frame_.parameter == nullptr) return Event::kUnknownPid;
 
-  const std::vector<Field> value =
-      frame_.command != nullptr
-          ? std::vector<Field>(frame_.command->request.begin(), frame_.command->request.end())
-          : protocol::value_fields(*frame_.parameter);
   const auto data = bytes.subspan(kHeader, bytes[kTable.framing.length_at]);
+  const std::vector<Field> value = fields_of(frame_, request, data.size());
   const auto values = protocol::unpack_some(value, kTable.framing.order, data);
   if (!values) return Event::kTooShort;
   frame_.values = *values;

@@ -3,6 +3,7 @@
 // Both directions look the same. A controller takes any TMID and answers with it as RMID.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -52,7 +53,9 @@ class Decoder {
     kBadSum,
   };
 
-  /// A controller's receiver takes RMID 183; a host's takes its own number, from TMID 183.
+  /// A controller's receiver takes RMID 183, and lets pass (as kNoise) what other controllers on
+  /// the line answer: their TMID, 183, would else begin a false frame. A host's takes its own number,
+  /// from TMID 183.
   explicit Decoder(protocol::Direction direction, std::uint8_t host = kHost)
       : direction_(direction), host_(host) {}
 
@@ -73,11 +76,15 @@ class Decoder {
   void reset();
 
  private:
+  static std::bitset<256> usual_hosts() {
+    return std::bitset<256>().set(kHost).set(184).set(128);
+  }
   bool can_start() const;
   Event read(std::span<const std::uint8_t> bytes);
 
   protocol::Direction direction_;
   std::uint8_t host_;
+  std::bitset<256> hosts_ = usual_hosts();  // numbers that hosts on this line go by
   protocol::FrameBuffer<kTable.framing.longest> buffer_;
   std::size_t ended_ = 0;  // bytes at the buffer's front that are done with
   std::size_t shown_ = 0;  // of them, what bytes() still shows
