@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scenarios/bench.h"
+#include "scenarios/scenario/suite.h"
 
 namespace virtdrive {
 
@@ -46,6 +47,18 @@ struct MotorOptions {
   bool keys = false;    // the same as a Markdown table
 };
 int motor(const MotorOptions& options);
+
+struct TestOptions {
+  SuiteOptions suite;
+  std::string junit;  // files; empty: none
+  std::string json;
+  std::string html;  // folder; empty: none
+  bool list = false;
+};
+int test(const TestOptions& options);
+
+/// The JSON schema of scenario files.
+int print_schema();
 
 int list_drives(bool names_only);
 int list_motors();
