@@ -59,6 +59,11 @@ class Pumped : public SerialReceiver {
     return poll(&descriptor, 1, std::chrono::milliseconds{kDeadline}.count()) > 0;
   }
 
+  static bool readable_now(int fd) {
+    pollfd descriptor{fd, POLLIN, 0};
+    return poll(&descriptor, 1, 0) > 0;
+  }
+
   EventLoop loop;
   SerialLine line;
   Endpoint endpoint;
