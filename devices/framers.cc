@@ -16,6 +16,20 @@
 namespace virtdrive {
 namespace {
 
+// For a line that carries no frames: each byte is by itself.
+class ByteFramer final : public protocol::Framer {
+ public:
+  void push(protocol::Direction, std::uint8_t, std::vector<protocol::Run>& ended) override {
+    ended.push_back({1, protocol::Verdict::kNoise, "bytes"});
+  }
+  void expire(protocol::Direction, std::vector<protocol::Run>&) override {}
+  SimDuration silence() const override { return {}; }
+};
+
+std::unique_ptr<protocol::Framer> make_byte_framer() {
+  return std::make_unique<ByteFramer>();
+}
+
 struct Entry {
   std::string_view protocol;
   std::unique_ptr<protocol::Framer> (*make)();
@@ -24,7 +38,8 @@ struct Entry {
 constexpr Entry kFramers[] = {{toshiba_mcu::kTable.name, toshiba_mcu::make_framer},
                               {md485::kTable.name, md485::make_framer},
                               {rzt1::kTable.name, rzt1::make_framer},
-                              {asd7::kTable.name, asd7::make_framer}};
+                              {asd7::kTable.name, asd7::make_framer},
+                              {kNoProtocol, make_byte_framer}};
 
 }  // namespace
 

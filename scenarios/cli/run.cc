@@ -231,7 +231,7 @@ int run(const RunOptions& options) {
   std::optional<WireRecorder> wire;
   if (!options.wire.empty()) {
     wire.emplace(options.wire, bench,
-                 RecordedBench{options.bench, options.signals, from_seconds(options.interval_s)});
+                 RecordedBench{bench_options, options.signals, from_seconds(options.interval_s)});
   }
   if (start) start_motor(bench, *start);
   const SimTime until = options.duration_s ? kSimStart + from_seconds(*options.duration_s) : kNever;

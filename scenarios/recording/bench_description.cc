@@ -113,6 +113,7 @@ DriveSpec parse_drive(const Json& json, std::string_view where) {
   drive.kind = reader.text("kind");
   drive.name = reader.text("name");
   drive.line = reader.text("line");
+  drive.other_lines = reader.texts("other_lines");
   drive.motors = reader.texts("motors");
   drive.load = reader.text("load");
   drive.set = reader.texts("set");
@@ -138,6 +139,7 @@ std::string describe(const RecordedBench& bench) {
     drives.push_back({{"kind", drive.kind},
                       {"name", drive.name},
                       {"line", drive.line},
+                      {"other_lines", drive.other_lines},
                       {"motors", drive.motors},
                       {"load", drive.load},
                       {"set", drive.set},

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/check.h"
+#include "devices/framers.h"
 #include "plant/motor_library.h"
 
 namespace virtdrive {
@@ -54,8 +54,10 @@ std::vector<RecordedLine> recorded_lines(Bench& bench, const BenchOptions& optio
     const auto& drives = bench.drives();
     const auto on_it =
         std::ranges::find_if(drives, [&](const auto& drive) { return &drive->line() == &line; });
-    VIRTDRIVE_CHECK(on_it != drives.end(), "line '{}' has no drive", spec.name);
-    lines.push_back({spec.name, std::string((*on_it)->kind().table.name), line.settings().baud});
+    // What a drive's further ports carry has no framer.
+    const std::string_view protocol =
+        on_it == drives.end() ? kNoProtocol : (*on_it)->kind().table.name;
+    lines.push_back({spec.name, std::string(protocol), line.settings().baud});
   }
   return lines;
 }

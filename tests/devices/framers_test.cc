@@ -64,7 +64,7 @@ std::string text(const Runs& runs) {
 }
 
 TEST(Framers, AreThereForEachProtocolThatHasACodec) {
-  for (const char* protocol : {"toshiba-mcu", "md485", "rzt1", "asd7"}) {
+  for (const char* protocol : {"toshiba-mcu", "md485", "rzt1", "asd7", "bytes"}) {
     EXPECT_NE(make_framer(protocol), nullptr) << protocol;
   }
   EXPECT_DEATH(make_framer("modbus"), "no framer of protocol 'modbus'");
