@@ -54,8 +54,8 @@ class Decoder {
   };
 
   /// A controller's receiver takes RMID 183, and lets pass (as kNoise) what other controllers on
-  /// the line answer: their TMID, 183, would else begin a false frame. A host's takes its own number,
-  /// from TMID 183.
+  /// the line answer: their TMID, 183, would else begin a false frame. A host's takes its own
+  /// number, from TMID 183.
   explicit Decoder(protocol::Direction direction, std::uint8_t host = kHost)
       : direction_(direction), host_(host) {}
 
@@ -76,9 +76,7 @@ class Decoder {
   void reset();
 
  private:
-  static std::bitset<256> usual_hosts() {
-    return std::bitset<256>().set(kHost).set(184).set(128);
-  }
+  static std::bitset<256> usual_hosts() { return std::bitset<256>().set(kHost).set(184).set(128); }
   bool can_start() const;
   Event read(std::span<const std::uint8_t> bytes);
 

@@ -25,40 +25,23 @@ constexpr std::uint8_t kPntMonitorPid = 216, kPntMainDataPid = 210;
 constexpr std::uint8_t kMainDataPid = 193, kCurvePid = 226, kStepPid = 225, kPresetPid = 227;
 
 constexpr auto kHandlers = std::to_array<Binding<Device::Handler>>({
-    {3, &Device::default_set},
-    {4, &Device::request_data},
-    {5, &Device::free_all},
-    {6, &Device::brake_all},
-    {10, &Device::command_number},
-    {12, &Device::reset_alarms},
-    {13, &Device::reset_positions},
-    {14, &Device::main_broadcast},
-    {15, &Device::monitor_broadcast},
-    {30, &Device::save_preset},
-    {31, &Device::recall_preset},
-    {100, &Device::start_stop},
-    {130, &Device::velocity},
-    {131, &Device::velocity2},
-    {134, &Device::open_loop},
-    {140, &Device::torque},
-    {164, &Device::request_data},
-    {174, &Device::pnt_free},
-    {175, &Device::pnt_brake},
-    {184, &Device::function_signal},
-    {206, &Device::pnt_move},
-    {207, &Device::pnt_velocity},
-    {208, &Device::pnt_open_loop},
-    {209, &Device::pnt_torque},
-    {215, &Device::pnt_increment},
-    {217, &Device::set_position},
-    {218, &Device::set_position2},
-    {219, &Device::move},
-    {220, &Device::increment},
-    {242, &Device::pnt_increment_at},
-    {243, &Device::move_default},
-    {244, &Device::increment_default},
-    {246, &Device::pnt_move_default},
-    {251, &Device::increment_default2},
+    {3, &Device::default_set},        {4, &Device::request_data},
+    {5, &Device::free_all},           {6, &Device::brake_all},
+    {10, &Device::command_number},    {12, &Device::reset_alarms},
+    {13, &Device::reset_positions},   {14, &Device::main_broadcast},
+    {15, &Device::monitor_broadcast}, {30, &Device::save_preset},
+    {31, &Device::recall_preset},     {100, &Device::start_stop},
+    {130, &Device::velocity},         {131, &Device::velocity2},
+    {134, &Device::open_loop},        {140, &Device::torque},
+    {164, &Device::request_data},     {174, &Device::pnt_free},
+    {175, &Device::pnt_brake},        {184, &Device::function_signal},
+    {206, &Device::pnt_move},         {207, &Device::pnt_velocity},
+    {208, &Device::pnt_open_loop},    {209, &Device::pnt_torque},
+    {215, &Device::pnt_increment},    {217, &Device::set_position},
+    {218, &Device::set_position2},    {219, &Device::move},
+    {220, &Device::increment},        {242, &Device::pnt_increment_at},
+    {243, &Device::move_default},     {244, &Device::increment_default},
+    {246, &Device::pnt_move_default}, {251, &Device::increment_default2},
 });
 static_assert(protocol::covers(kTable.commands, kHandlers),
               "a command that is not rejected has no handler, or the reverse");
@@ -107,10 +90,19 @@ static_assert(protocol::covers(kTable.functions, kNumbers),
               "a command number that is not rejected has no handler, or the reverse");
 
 // These carry a return type of their own, or are requests: RETURN_TYPE is not for them.
-constexpr std::uint8_t kAnswerThemselves[] = {4,   164, 174, 175, 206, 207,
-                                              208, 209, 215, 242, 246};
+constexpr std::uint8_t kAnswerThemselves[] = {4, 164, 174, 175, 206, 207, 208, 209, 215, 242, 246};
 bool answers_by_itself(std::uint8_t pid) {
   return std::ranges::find(kAnswerThemselves, pid) != std::end(kAnswerThemselves);
+}
+
+std::string describe(const Frame& frame) {
+  if (frame.command != nullptr) {
+    return fmt::format("{} {}", frame.command->name,
+                       protocol::describe(frame.command->request, frame.values));
+  }
+  const bool text = frame.parameter->type == WireType::kText;
+  return fmt::format("{} {}", frame.parameter->name,
+                     text ? "" : protocol::describe(write_fields(*frame.parameter), frame.values));
 }
 
 }  // namespace
@@ -174,14 +166,7 @@ void Device::take(const Frame& frame) {
     tell(WireEvent::Kind::kLost, decoder_.bytes(), "too many frames are waiting");
     return;
   }
-  const bool command = frame.command != nullptr;
-  tell(WireEvent::Kind::kRequest, decoder_.bytes(),
-       listener_ ? fmt::format("{} {}", command ? frame.command->name : frame.parameter->name,
-                               describe(command ? std::vector<Field>(frame.command->request.begin(),
-                                                                     frame.command->request.end())
-                                                : write_fields(*frame.parameter),
-                                        frame.values))
-                 : std::string());
+  tell(WireEvent::Kind::kRequest, decoder_.bytes(), listener_ ? describe(frame) : std::string());
   queue_.push_back(frame);
   if (work_.due() == kNever) work_.at(loop_.now());
 }

@@ -1,8 +1,8 @@
 // A controller on its line: frames in, frames out, around the program of firmware_models/md.
 //
-// It is silent by default: a command or a write is answered only as RETURN_TYPE (149) asks for it, a
-// request for something it has not never. It takes frames for its own ID and for 254. A frame acts
-// when the ones before it are done with; the answer leaves 2 ms after the request.
+// It is silent by default: a command or a write is answered only as RETURN_TYPE (149) asks for it,
+// a request for something it has not never. It takes frames for its own ID and for 254. A frame
+// acts when the ones before it are done with; the answer leaves 2 ms after the request.
 #pragma once
 
 #include <array>
@@ -102,7 +102,7 @@ class Device final : public SerialReceiver {
     ((settings.*kMembers = 0), ...);
     change(settings);
   }
-  template <std::int32_t md::Settings::*kMember>
+  template <std::int32_t md::Settings::* kMember>
   void to_default() {
     md::Settings settings = controller_.settings();
     settings.*kMember = md::default_settings(controller_.model()).*kMember;

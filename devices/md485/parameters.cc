@@ -57,8 +57,15 @@ std::int64_t volume_byte(std::int32_t setting, double volume) {
 template <std::size_t kMotor>
 std::optional<Values> main_data(const Context& c) {
   const MotorChannel& m = c.controller.motor(kMotor);
-  Values values = {m.rpm(), deciamperes(m), static_cast<std::int64_t>(m.type()), m.reference_rpm(),
-                   m.output_counts(), m.status(), m.position(), 0, heat_sink(c)};
+  Values values = {m.rpm(),
+                   deciamperes(m),
+                   static_cast<std::int64_t>(m.type()),
+                   m.reference_rpm(),
+                   m.output_counts(),
+                   m.status(),
+                   m.position(),
+                   0,
+                   heat_sink(c)};
   if (c.table.parameter(193)->fields.size() > values.size()) values.push(m.status2());
   return values;
 }
@@ -68,17 +75,26 @@ std::optional<Values> io_monitor(const Context& c) {
   const MotorChannel& m = c.controller.motor(kMotor);
   const md::Terminals& pins = c.controller.terminals(kMotor);
   const Settings& s = c.settings();
-  return Values{m.rpm(), deciamperes(m), m.status(), md::input_byte(pins), md::analog_counts(pins),
-                0, c.controller.hall(kMotor), m.status2(), md::input_byte(pins), supply(c),
+  return Values{m.rpm(),
+                deciamperes(m),
+                m.status(),
+                md::input_byte(pins),
+                md::analog_counts(pins),
+                0,
+                c.controller.hall(kMotor),
+                m.status2(),
+                md::input_byte(pins),
+                supply(c),
                 volume_byte(s.slow_start, pins.slow_start_volume),
-                volume_byte(s.slow_down, pins.slow_down_volume), volume_byte(0, pins.volume)};
+                volume_byte(s.slow_down, pins.slow_down_volume),
+                volume_byte(0, pins.volume)};
 }
 
 template <std::size_t kMotor>
 std::optional<Values> monitor(const Context& c) {
   const MotorChannel& m = c.controller.motor(kMotor);
-  return Values{m.rpm(), deciamperes(m), std::abs(m.output_counts()), m.status(), m.position(),
-                md::input_byte(c.controller.terminals(kMotor))};
+  return Values{m.rpm(),    deciamperes(m), std::abs(m.output_counts()),
+                m.status(), m.position(),   md::input_byte(c.controller.terminals(kMotor))};
 }
 
 std::optional<Values> positions(const Context& c) {
@@ -111,10 +127,16 @@ std::optional<Values> pnt_monitor(const Context& c) {
 std::optional<Values> pnt_io_monitor(const Context& c) {
   const md::Terminals& one = c.controller.terminals(0);
   const md::Terminals& two = c.controller.terminals(1);
-  return Values{md::input_byte(one), md::input_byte(two), c.controller.hall(0),
-                c.controller.hall(1), md::analog_counts(one), md::analog_counts(two), supply(c),
+  return Values{md::input_byte(one),
+                md::input_byte(two),
+                c.controller.hall(0),
+                c.controller.hall(1),
+                md::analog_counts(one),
+                md::analog_counts(two),
+                supply(c),
                 volume_byte(c.settings().slow_start, one.slow_start_volume),
-                volume_byte(0, one.volume), 0};
+                volume_byte(0, one.volume),
+                0};
 }
 
 std::optional<Values> in_position(const Context& c) {
@@ -127,7 +149,8 @@ std::optional<Values> in_position(const Context& c) {
 
 std::optional<Values> last_alarm(const Context& c) {
   int bits = 0;
-  for (std::size_t i = 0; i < c.controller.motors(); ++i) bits |= c.controller.motor(i).last_alarm();
+  for (std::size_t i = 0; i < c.controller.motors(); ++i)
+    bits |= c.controller.motor(i).last_alarm();
   return Values{bits};
 }
 
@@ -162,7 +185,7 @@ std::int32_t low_limit(std::int64_t v) {
 }
 // 0 is not set; the document's range is 512..1023.
 std::int32_t high_limit(std::int64_t v) {
-  return v == 0 ? 0 : std::max(ten_bits(v), 512);
+  return v <= 0 ? 0 : std::max(ten_bits(v), 512);
 }
 
 bool write_gains(Settings& s, const Values& v) {
@@ -257,8 +280,7 @@ constexpr auto kBlocks = std::to_array<Binding<Block>>({
     {143, {[](const Context& c) { return std::optional(Values{supply(c)}); }}},
     {158, {settings<&S::high_speed_limit>, write_high_limit}},
     {159, {settings<&S::slow_start>, write_slow_start_down}},
-    {166,
-     {[](const Context& c) {
+    {166, {[](const Context& c) {
        return std::optional(Values{c.controller.motor(0).reference_rpm()});
      }}},
     // Kept in RAM: Parameters::write gives it to the controller.
@@ -282,8 +304,7 @@ constexpr auto kBlocks = std::to_array<Binding<Block>>({
     {225, {step, write_step}},
     {226, {curve_point, write_curve_point}},
     {227, {preset}},
-    {230,
-     {[](const Context& c) {
+    {230, {[](const Context& c) {
        return std::optional(Values{c.controller.motor(0).target_position()});
      }}},
     {234, {[](const Context& c) { return std::optional(Values{c.controller.seconds_up()}); }}},
@@ -294,6 +315,8 @@ constexpr auto kBlocks = std::to_array<Binding<Block>>({
 });
 
 constexpr std::uint8_t kComTarSpeed = 180;
+constexpr std::uint8_t kInputType = 25;
+constexpr std::int64_t kNoInputType = 4;  // V4.4 has 0..3 and 5
 
 // Every row that is not rejected has a setting or a block behind it, and nothing else has.
 consteval bool all_bound() {
@@ -318,9 +341,8 @@ constexpr std::uint8_t kLayout = 1;
 template <class AnySettings, class Visitor>
 void for_each_number(AnySettings& s, Visitor&& visit) {
   for (const Binding<Setting>& row : kSettingRows) visit(s.*row.target);
-  for (const Setting other :
-       {&S::low_volume_limit, &S::high_volume_limit, &S::func_speed, &S::func_delay,
-        &S::func_posi_speed, &S::func_posi_increment}) {
+  for (const Setting other : {&S::low_volume_limit, &S::high_volume_limit, &S::func_speed,
+                              &S::func_delay, &S::func_posi_speed, &S::func_posi_increment}) {
     visit(s.*other);
   }
   for (auto& step : s.steps) visit(step);
@@ -395,8 +417,9 @@ bool Parameters::write(std::uint8_t pid, const Values& values) {
     const std::int64_t value = values[checked ? 1 : 0];
     const bool is_number = protocol::width(row->type) > 1;
     if (!is_number && !row->range.contains(value)) return false;
-    settings.**protocol::find(kSettingRows, pid) = static_cast<std::int32_t>(
-        std::clamp(value, row->range.minimum, row->range.maximum));
+    if (pid == kInputType && value == kNoInputType) return false;
+    settings.**protocol::find(kSettingRows, pid) =
+        static_cast<std::int32_t>(std::clamp(value, row->range.minimum, row->range.maximum));
   }
   change(settings);
   return true;

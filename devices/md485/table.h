@@ -56,12 +56,11 @@ inline constexpr Field kPositionAndSpeed[] = {
     {.name = "max_speed", .type = WireType::kI16, .unit = "rpm"}};
 inline constexpr Field kEnableTwo[] = {
     {.name = "motor1"}, {.name = "motor2"}, {.name = "return_type", .optional = true}};
-inline constexpr Field kTwoSpeeds[] = {
-    {.name = "enable1"},
-    {.name = "speed1", .type = WireType::kI16, .unit = "rpm"},
-    {.name = "enable2"},
-    {.name = "speed2", .type = WireType::kI16, .unit = "rpm"},
-    {.name = "return_type", .optional = true}};
+inline constexpr Field kTwoSpeeds[] = {{.name = "enable1"},
+                                       {.name = "speed1", .type = WireType::kI16, .unit = "rpm"},
+                                       {.name = "enable2"},
+                                       {.name = "speed2", .type = WireType::kI16, .unit = "rpm"},
+                                       {.name = "return_type", .optional = true}};
 inline constexpr Field kTwoOutputs[] = {{.name = "enable1"},
                                         {.name = "output1", .type = WireType::kI16},
                                         {.name = "enable2"},
@@ -159,8 +158,8 @@ inline constexpr Field kTorqueGains[] = {{.name = "p", .type = WireType::kI16},
                                          {.name = "i", .type = WireType::kI16}};
 inline constexpr Field kLimits[] = {{.name = "low", .type = WireType::kI16},
                                     {.name = "high", .type = WireType::kI16}};
-inline constexpr Field kStep[] = {
-    {.name = "number"}, {.name = "speed", .type = WireType::kI16, .unit = "rpm"}};
+inline constexpr Field kStep[] = {{.name = "number"},
+                                  {.name = "speed", .type = WireType::kI16, .unit = "rpm"}};
 inline constexpr Field kCurvePoint[] = {{.name = "number"},
                                         {.name = "x", .type = WireType::kI16},
                                         {.name = "y", .type = WireType::kI16}};

@@ -132,7 +132,8 @@ void Controller::set_ambient_degc(double degc) {
 }
 
 bool Controller::alarm_output() const {
-  const bool alarm = std::ranges::any_of(motors_, [](const Motor& m) { return m.channel.alarmed(); });
+  const bool alarm =
+      std::ranges::any_of(motors_, [](const Motor& m) { return m.channel.alarmed(); });
   return alarm != (settings_.inv_alarm != 0);
 }
 
@@ -171,10 +172,9 @@ Measured Controller::measure(Motor& motor, std::size_t number) {
   const HallCounter& hall = motor.stage->hall();
   const double hall_rpm = hall.rpm(loop_.now(), hall_counts_per_turn(settings_.hall_type));
   const bool by_encoder = settings_.enc_ppr > 0;
-  const double encoder_rpm =
-      by_encoder ? 60.0 * static_cast<double>(moved) /
-                       (4.0 * settings_.enc_ppr * kEncoderWindowMs * 1e-3)
-                 : 0;
+  const double encoder_rpm = by_encoder ? 60.0 * static_cast<double>(moved) /
+                                              (4.0 * settings_.enc_ppr * kEncoderWindowMs * 1e-3)
+                                        : 0;
   const bool encoder_position = settings_.use_eposi != 0 && by_encoder;
   return {.rpm = by_encoder ? encoder_rpm : hall_rpm,
           .counts = encoder_position ? -reading.encoder : hall.count(),
@@ -230,7 +230,7 @@ void Controller::follow_terminals(std::size_t number) {
   }
   double full = 0;  // of 1023
   if (started(pins, settings_)) {
-    full = !pins.int_speed       ? speed_input(pins, settings_)
+    full = !pins.int_speed         ? speed_input(pins, settings_)
            : settings_.tar_vel > 0 ? settings_.tar_vel / rpm_of_full
                                    : volume_input(pins, settings_);
   }

@@ -91,10 +91,10 @@ class Controller {
     std::unique_ptr<PowerStage> stage;
     Terminals pins;
     Debounced may_ccw, may_cw;
-    bool ran = true;         // RUN/BRAKE at the last look
-    bool reset_pin = false;  // ALARM_RESET at the last look
-    bool start_pin = true;   // START/STOP at the last look
-    bool signal = false;     // of the special function
+    bool ran = true;                // RUN/BRAKE at the last look
+    bool reset_pin = false;         // ALARM_RESET at the last look
+    bool start_pin = true;          // START/STOP at the last look
+    bool signal = false;            // of the special function
     std::int64_t function_ms = -1;  // left to run; below 0: no end is set
     double bus_v = 0;
     std::uint8_t hall = 0;

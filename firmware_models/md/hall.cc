@@ -25,8 +25,8 @@ void HallCounter::see(std::uint8_t code, SimTime t) {
   if (sector_) {
     const int forward = (*sector - *sector_ + 6) % 6;
     // Half a turn at once tells no direction: it goes on as before.
-    const int steps = forward < 3 || (forward == 3 && newest().direction > 0) ? forward
-                                                                              : forward - 6;
+    const int steps =
+        forward < 3 || (forward == 3 && newest().direction > 0) ? forward : forward - 6;
     for (int i = 0; i < steps; ++i) edge(1, t);
     for (int i = 0; i > steps; --i) edge(-1, t);
   }

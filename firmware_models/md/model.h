@@ -16,8 +16,8 @@ struct BusLimits {
 };
 
 struct Model {
-  std::string_view name;   // as typed: "md400t"
-  std::string_view title;  // as PID 205 has it: "MD400T"
+  std::string_view name;       // as typed: "md400t"
+  std::string_view title;      // as PID 205 has it: "MD400T"
   double lowest_v, highest_v;  // supply, as printed; AC (rms) where `ac`
   bool ac;
   double current_a;  // rated, each motor; MAX_LOAD by default
@@ -26,15 +26,15 @@ struct Model {
   // What the document's table marks. RS-485 is offered on all of them.
   bool rs485, ttl232, can, encoder, pulse, rc, clutch, power_switch;
 
-  int baud_code;             // 1: 9600, 2: 19200 (p. 4)
-  std::string_view motor;    // in the motor library
-  double bus_v;              // the bench's supply, DC
+  int baud_code;           // 1: 9600, 2: 19200 (p. 4)
+  std::string_view motor;  // in the motor library
+  double bus_v;            // the bench's supply, DC
   BusLimits bus;
-  double capacitance_f;      // of the DC link
-  bool temperature_sensor;   // without: reported as 0, no derating
-  int hall_type;             // PID 21 for that motor
+  double capacitance_f;     // of the DC link
+  bool temperature_sensor;  // without: reported as 0, no derating
+  int hall_type;            // PID 21 for that motor
   int max_rpm;
-  double rated_torque_nm;    // of that motor
+  double rated_torque_nm;  // of that motor
 };
 
 std::span<const Model> models();

@@ -127,7 +127,8 @@ void MotorChannel::stop(Mode mode) {
   mode_ = mode;
   target_ = reference_ = integral_ = output_ = 0;
   holding_ = in_position_ = false;
-  command_ = {.mode = mode == Mode::kShort ? StageCommand::Mode::kShort : StageCommand::Mode::kFree};
+  command_ = {.mode =
+                  mode == Mode::kShort ? StageCommand::Mode::kShort : StageCommand::Mode::kFree};
 }
 
 void MotorChannel::free() {
@@ -256,8 +257,8 @@ bool MotorChannel::stopped_by_limit(double direction) {
 }
 
 bool MotorChannel::stopped_by_current() {
-  const bool over = settings_.tq_limit_sw != 0 &&
-                    std::fabs(now_.current_a) > 0.9 * max_load_a(model_, settings_);
+  const bool over =
+      settings_.tq_limit_sw != 0 && std::fabs(now_.current_a) > 0.9 * max_load_a(model_, settings_);
   over_limit_ms_ = over ? over_limit_ms_ + 1 : 0;
   if (over_limit_ms_ < kCurrentLimitSwitchMs) return false;
   over_limit_ms_ = 0;
@@ -327,8 +328,8 @@ void MotorChannel::control_position() {
   const double up = ramp_step(settings_.posi_ss, settings_.max_rpm, 0);
   const double slope = ramp_step(settings_.posi_sd, settings_.max_rpm, 0) / kTickS;  // rpm/s
   const double distance = std::fabs(error) * rpm_per_count;
-  const double fastest = std::min({settings_.pv_gain / 10.0 * distance,
-                                   std::sqrt(2 * slope * distance), goal_rpm_});
+  const double fastest =
+      std::min({settings_.pv_gain / 10.0 * distance, std::sqrt(2 * slope * distance), goal_rpm_});
   const double wanted = std::copysign(fastest, error);
   const bool grows = wanted * reference_ >= 0 && std::fabs(wanted) > std::fabs(reference_);
   if (wanted * reference_ < 0)
@@ -348,7 +349,8 @@ void MotorChannel::control_open_loop() {
   const double next = target_ * reference_ < 0 ? 0 : target_;
   reference_ = towards(reference_, next, step);
   if (reference_ == 0 && target_ != 0) {
-    reference_ = towards(0, target_, ramp_step(settings_.slow_start, kFull, now_.slow_start_volume));
+    reference_ =
+        towards(0, target_, ramp_step(settings_.slow_start, kFull, now_.slow_start_volume));
   }
   if (stopped_by_limit(reference_) || stopped_by_current()) return;
   if (target_ == 0 && reference_ == 0) {

@@ -2,9 +2,8 @@
 // millisecond. It knows counts, rpm and amperes as its sensors give them; what it wants of its
 // bridge stands in output().
 //
-//   motor.speed(1000);                  // as a host or the terminals ask for it, in the host's sign
-//   motor.millisecond(measured);
-//   stage.drive(motor.output());
+//   motor.speed(1000);                  // as a host or the terminals ask for it, in the host's
+//   sign motor.millisecond(measured); stage.drive(motor.output());
 //
 // Positive is CCW. INV_SIGN_CMD turns the host's sign against the motor's, for commands and for all
 // that is reported.
@@ -26,23 +25,23 @@ enum class ControlType : std::uint8_t { kOff, kSpeed, kPosition, kOpenLoop, kTor
 struct StageCommand {
   enum class Mode : std::uint8_t { kFree, kShort, kDriven };
   Mode mode = Mode::kFree;
-  double output = 0;        // -1 .. 1 of the DC link, in the motor's sense
+  double output = 0;          // -1 .. 1 of the DC link, in the motor's sense
   bool only_driving = false;  // never against the current's own sense: no regeneration
-  double limit_a = 0;       // of the current limiter
-  double lead_deg = 0;      // commutation so much earlier, electrical
+  double limit_a = 0;         // of the current limiter
+  double lead_deg = 0;        // commutation so much earlier, electrical
 };
 
 /// What the sensors told in the last millisecond, in the motor's sense.
 struct Measured {
   double rpm = 0;
-  std::int64_t counts = 0;    // of the position sensor in use
-  double current_a = 0;       // mean; positive makes torque towards CCW
-  bool limited = false;       // the current limiter was at work
+  std::int64_t counts = 0;  // of the position sensor in use
+  double current_a = 0;     // mean; positive makes torque towards CCW
+  bool limited = false;     // the current limiter was at work
   double bus_v = 0;
   double heat_sink_degc = 25;
   std::uint8_t hall = 0;
   bool encoder_moves = true;
-  bool permit_ccw = true, permit_cw = true;  // limit inputs
+  bool permit_ccw = true, permit_cw = true;            // limit inputs
   double slow_start_volume = 0, slow_down_volume = 0;  // 0 .. 1
 };
 
@@ -116,7 +115,7 @@ class MotorChannel {
   double target_ = 0;     // rpm, output or torque, in the motor's sense
   double reference_ = 0;  // behind the ramp
   double integral_ = 0;
-  double output_ = 0;  // -1023 .. 1023
+  double output_ = 0;        // -1023 .. 1023
   std::int64_t offset_ = 0;  // position less counts, in the motor's sense
   std::int64_t goal_ = 0;
   double goal_rpm_ = 0;

@@ -17,8 +17,8 @@ constexpr SimDuration kPwmPeriod = 62'500ns;
 constexpr int kSlices = 8;
 constexpr double kWatchedFrom = 0.6;  // of the limit
 constexpr Adc kAdc{.bits = 12, .reference_v = 5.0};
-constexpr double kFullScale = 4;  // of the rated current
-constexpr double kNoise = 5e-4;   // of the rated current
+constexpr double kFullScale = 4;   // of the rated current
+constexpr double kNoise = 5e-4;    // of the rated current
 constexpr double kBraking = 0.01;  // of the rated current: less is noise
 constexpr double kSectorRad = std::numbers::pi / 3;
 
@@ -108,8 +108,8 @@ void PowerStage::period() {
     ++current_samples_;
     const double along = current_a_ * (command_.output < 0 ? -1 : 1);
     if (begins) cut_ = false;
-    if (command_.only_driving && along < -kBraking * shunt_.adc.reference_v / 2 /
-                                              shunt_.volts_per_amp / kFullScale) {
+    if (command_.only_driving &&
+        along < -kBraking * shunt_.adc.reference_v / 2 / shunt_.volts_per_amp / kFullScale) {
       held_off_ = true;
     }
     if (held_off_) {
@@ -146,8 +146,7 @@ int PowerStage::sector() const {
   const SimDuration interval = hall_.last_interval();
   if (command_.lead_deg <= 0 || interval <= SimDuration{}) return here;
   const SimDuration since = loop_.now() - hall_.last_edge();
-  if (seconds(since) < seconds(interval) * (1 - command_.lead_deg / 60) ||
-      since > 2 * interval) {
+  if (seconds(since) < seconds(interval) * (1 - command_.lead_deg / 60) || since > 2 * interval) {
     return here;
   }
   return (here + (command_.output < 0 ? 5 : 1)) % 6;

@@ -1,11 +1,11 @@
 // What lies between one motor's program and the motor: the bridge with its gate logic and current
-// limiter, a shunt in the link, the Hall sensors on the capture unit, an encoder where one is fitted,
-// a mechanical brake.
+// limiter, a shunt in the link, the Hall sensors on the capture unit, an encoder where one is
+// fitted, a mechanical brake.
 //
 // The program gives a command each millisecond; from then on the gate logic works by itself, PWM
 // period by PWM period: it follows the Hall code, cuts a period short at the current limit, and
-// where only driving is wanted switches off when the current would brake. The shunt sees the motor's
-// current only while two legs drive it: not while it is shorted or free.
+// where only driving is wanted switches off when the current would brake. The shunt sees the
+// motor's current only while two legs drive it: not while it is shorted or free.
 #pragma once
 
 #include <cstdint>
@@ -74,10 +74,10 @@ class PowerStage {
 
   StageCommand command_;
   Bridge bridge_ = Bridge::kOff;
-  bool driving_ = false;    // two legs drive: the shunt sees the current
-  bool cut_ = false;        // until the next period
-  bool held_off_ = false;   // until the next command: the current would brake
-  int slice_ = 0;           // of the period, where it is watched closely
+  bool driving_ = false;   // two legs drive: the shunt sees the current
+  bool cut_ = false;       // until the next period
+  bool held_off_ = false;  // until the next command: the current would brake
+  int slice_ = 0;          // of the period, where it is watched closely
   double current_a_ = 0;
   double current_sum_a_ = 0;
   int current_samples_ = 0;

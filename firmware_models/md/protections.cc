@@ -26,8 +26,8 @@ bool Protections::lasts(Cause cause, bool there) {
 bool Protections::watch(const Watched& now) {
   std::uint8_t bits = 0;
   const double off_rpm = std::fabs(now.reference_rpm - now.rpm);
-  const bool speed_off = now.speed_control && now.reference_rpm != 0 &&
-                         off_rpm > 0.3 * std::fabs(now.reference_rpm);
+  const bool speed_off =
+      now.speed_control && now.reference_rpm != 0 && off_rpm > 0.3 * std::fabs(now.reference_rpm);
   if (lasts(kSpeedOff, speed_off)) bits |= kCtrlFail;
   if (lasts(kLinkHigh, now.bus_v > now.over_v)) bits |= kOverVolt;
   if (lasts(kHot, now.heat_sink_degc > kOverTempDegc)) bits |= kOverTemp;

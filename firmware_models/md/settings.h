@@ -49,7 +49,7 @@ struct Settings {
   std::int32_t use_eposi = 0;
   std::int32_t max_rpm = 3000;
   std::int32_t min_rpm = 1;
-  std::int32_t max_load = 200;  // 0.1 A; 0: the model's
+  std::int32_t max_load = 200;                             // 0.1 A; 0: the model's
   std::int32_t ccw_phase_offset = 0, cw_phase_offset = 0;  // degrees
 
   // Control
@@ -95,9 +95,9 @@ constexpr int baud(std::int32_t code) {
 /// The speed of step 1..7 in rpm.
 constexpr std::int32_t step_rpm(const Settings& settings, std::size_t number) {
   const std::int32_t set = settings.steps[number - 1];
-  return set != kStepNotSet
-             ? set
-             : settings.max_rpm * static_cast<std::int32_t>(number) / static_cast<std::int32_t>(kSteps);
+  return set != kStepNotSet ? set
+                            : settings.max_rpm * static_cast<std::int32_t>(number) /
+                                  static_cast<std::int32_t>(kSteps);
 }
 
 }  // namespace virtdrive::md

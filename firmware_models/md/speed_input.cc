@@ -79,8 +79,7 @@ double without_dead_zone(double raw, std::int32_t dead_zone) {
 
 double curve(double raw, const Settings& settings) {
   const std::size_t first = raw < 0 ? 2 : 0;
-  const double y =
-      through(std::fabs(raw), settings.curve[first], settings.curve[first + 1]);
+  const double y = through(std::fabs(raw), settings.curve[first], settings.curve[first + 1]);
   return std::copysign(y, raw);
 }
 

@@ -40,7 +40,7 @@ class MdDrive final : public Drive, private SerialReceiver {
     power_on();
   }
 
-  SerialReceiver& receiver(std::size_t) override { return *this; }
+  SerialReceiver& receiver() override { return *this; }
   Axis& axis(std::size_t channel) override { return axes_[channel]; }
   WireCounters wire_counters() const override {
     return board_ ? counted_ + board_->device.counters() : counted_;
@@ -60,7 +60,7 @@ class MdDrive final : public Drive, private SerialReceiver {
         : table(model, profile),
           controller(context.loop, axes, model, stored_settings(model, context.memory),
                      context.seed),
-          device(context.loop, *context.ports[0], controller, table, context.memory,
+          device(context.loop, context.port, controller, table, context.memory,
                  {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency},
                  context.listener, context.notes) {}
     ModelTable table;
@@ -71,10 +71,10 @@ class MdDrive final : public Drive, private SerialReceiver {
   static std::vector<Axis> make_axes(const DriveContext& context, const md::Model& model) {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
-      axes.emplace_back(AxisParameters{.motor = motor.electrical,
-                                       .link = link_of(model),
-                                       .mechanics = motor.mechanics},
-                        context.integrator);
+      axes.emplace_back(
+          AxisParameters{
+              .motor = motor.electrical, .link = link_of(model), .mechanics = motor.mechanics},
+          context.integrator);
     }
     return axes;
   }
@@ -127,7 +127,7 @@ void MdDrive::follow_baud() {
   const std::int32_t code = board_->controller.settings().baud_code;
   if (code == baud_code_) return;
   baud_code_ = code;
-  context_.ports[0]->set_baud(md::baud(code));
+  context_.port.set_baud(md::baud(code));
 }
 
 void MdDrive::apply_surroundings() {
@@ -167,8 +167,8 @@ void MdDrive::set_parameter(std::string_view text) {
   const auto pid = static_cast<std::uint8_t>(assignment.row->id);
   const ParameterRow* row = board_->table.parameter(pid);
   if (row == nullptr || row->access == Access::kReadOnly) {
-    throw SetupError(fmt::format("{}: {} cannot be written on {}", text, assignment.row->name,
-                                 model_.name));
+    throw SetupError(
+        fmt::format("{}: {} cannot be written on {}", text, assignment.row->name, model_.name));
   }
   const std::size_t at = is_checked(pid) ? 1 : 0;
   const bool one_number = row->fields.empty();
@@ -211,38 +211,41 @@ void MdDrive::register_motor(Registry& registry, std::size_t number) {
   // Without power there is no program that could hold a value: it reads 0.
   const auto add = [&](std::string_view quantity, std::string unit, std::string doc,
                        double (*read)(const MotorChannel&)) {
-    registry.add(
-        Signal{fmt::format("drive{}.{}", number, quantity), std::move(unit), std::move(doc),
-               [this, number, read] { return board_ ? read(board_->controller.motor(number)) : 0; }});
+    registry.add(Signal{
+        fmt::format("drive{}.{}", number, quantity), std::move(unit), std::move(doc),
+        [this, number, read] { return board_ ? read(board_->controller.motor(number)) : 0; }});
   };
   using Channel = const MotorChannel&;
   add("control_type", "", "0 off, 1 speed, 2 position, 3 open loop, 4 torque",
       [](Channel c) { return static_cast<double>(c.type()); });
   add("status", "", "Status bits (PID 34)", [](Channel c) { return double(c.status()); });
   add("status2", "", "Second status byte", [](Channel c) { return double(c.status2()); });
-  add("speed", "rpm", "Speed that the controller reports", [](Channel c) { return double(c.rpm()); });
+  add("speed", "rpm", "Speed that the controller reports",
+      [](Channel c) { return double(c.rpm()); });
   add("speed_reference", "rpm", "Ramped reference",
       [](Channel c) { return double(c.reference_rpm()); });
-  add("output", "", "Output, 1023 is full duty", [](Channel c) { return double(c.output_counts()); });
-  add("current", "A", "Current that the controller reports", [](Channel c) { return c.current_a(); });
+  add("output", "", "Output, 1023 is full duty",
+      [](Channel c) { return double(c.output_counts()); });
+  add("current", "A", "Current that the controller reports",
+      [](Channel c) { return c.current_a(); });
   add("position", "counts", "Position that the controller reports",
       [](Channel c) { return double(c.position()); });
   add("position_target", "counts", "Target of the move under way",
       [](Channel c) { return double(c.target_position()); });
 
   for (const std::uint8_t code : {std::uint8_t{0}, std::uint8_t{7}}) {
-    registry.add(Input{
-        .signal = {fmt::format("hall{}.code_{}", number, code), "",
-                   fmt::format("The Hall cable is broken: code {}", code),
-                   [this, number, code] { return hall_faults_[number] == code ? 1.0 : 0.0; }},
-        .minimum = 0,
-        .maximum = 1,
-        .write =
-            [this, number, code](double there) {
-              hall_faults_[number] = there > 0 ? std::optional(code) : std::nullopt;
-              apply_surroundings();
-            },
-        .fault = true});
+    registry.add(
+        Input{.signal = {fmt::format("hall{}.code_{}", number, code), "",
+                         fmt::format("The Hall cable is broken: code {}", code),
+                         [this, number, code] { return hall_faults_[number] == code ? 1.0 : 0.0; }},
+              .minimum = 0,
+              .maximum = 1,
+              .write =
+                  [this, number, code](double there) {
+                    hall_faults_[number] = there > 0 ? std::optional(code) : std::nullopt;
+                    apply_surroundings();
+                  },
+              .fault = true});
   }
   if (!model_.encoder) return;
   registry.add(Input{.signal = {fmt::format("encoder{}.lines", number), "",
@@ -258,17 +261,17 @@ void MdDrive::register_motor(Registry& registry, std::size_t number) {
 
 void MdDrive::register_terminals(Registry& registry, std::size_t number) {
   const auto add = [&](std::string_view quantity, std::string unit, std::string doc, double maximum,
-                       auto Terminals::*pin) {
-    registry.add(Input{.signal = {fmt::format("terminal{}.{}", number, quantity), std::move(unit),
-                                  std::move(doc),
-                                  [this, number, pin] { return double(pins_[number].*pin); }},
-                       .minimum = 0,
-                       .maximum = maximum,
-                       .write = [this, number, pin](double value) {
-                         auto& target = pins_[number].*pin;
-                         target = static_cast<std::remove_reference_t<decltype(target)>>(value);
-                         apply_surroundings();
-                       }});
+                       auto Terminals::* pin) {
+    registry.add(Input{
+        .signal = {fmt::format("terminal{}.{}", number, quantity), std::move(unit), std::move(doc),
+                   [this, number, pin] { return double(pins_[number].*pin); }},
+        .minimum = 0,
+        .maximum = maximum,
+        .write = [this, number, pin](double value) {
+          auto& target = pins_[number].*pin;
+          target = static_cast<std::remove_reference_t<decltype(target)>>(value);
+          apply_surroundings();
+        }});
   };
   add("int_speed", "", "INT_SPEED, pin 2: 1 is connected to ground", 1, &Terminals::int_speed);
   add("alarm_reset", "", "ALARM_RESET: 1 is connected to ground", 1, &Terminals::alarm_reset);
@@ -329,12 +332,12 @@ std::vector<DriveKind> md_kinds() {
     const md::Model& model = table->model();
     kinds.push_back({.name = model.name,
                      .default_motor = model.motor,
-                     .ports = {{.name = "rs485",
-                                .baud = md::baud(model.baud_code),
-                                .duplex = Duplex::kHalf}},
+                     .default_baud = md::baud(model.baud_code),
+                     .duplex = Duplex::kHalf,
                      .channels = model.motors,
                      .default_channel = 0,
                      .table = table->table(),
+                     .protocol = &kTable,
                      .make = [&model](const DriveContext& context) -> std::unique_ptr<Drive> {
                        return std::make_unique<MdDrive>(context, model);
                      },

@@ -12,7 +12,8 @@ namespace virtdrive {
 
 struct MdAssignment {
   const md485::ParameterRow* row;
-  protocol::Values values;  // of the row's write_fields(): the check byte is there where one belongs
+  protocol::Values
+      values;  // of the row's write_fields(): the check byte is there where one belongs
 };
 
 /// NAME=VALUE[,VALUE...] with or without "PID_"; SetupError that names the part that is wrong.

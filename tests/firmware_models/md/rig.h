@@ -1,5 +1,5 @@
-// A controller with its motors on a bench without a line: what the firmware's and the device's tests
-// stand on.
+// A controller with its motors on a bench without a line: what the firmware's and the device's
+// tests stand on.
 #pragma once
 
 #include <cstdint>
@@ -29,20 +29,20 @@ inline AxisParameters test_axis(const Model& model) {
     double line_ohm, line_h, kt, inertia, coulomb, viscous;
   };
   const bool wheel = model.name == "md200t";
-  const Data d = wheel ? Data{10, 0.6, 1e-3, 0.5, 1.5e-2, 0.15, 3e-3}
+  const Data d = wheel      ? Data{10, 0.6, 1e-3, 0.5, 1.5e-2, 0.15, 3e-3}
                  : model.ac ? Data{4, 5.5, 9.5e-3, 0.78, 1.2e-4, 0.03, 3e-5}
                             : Data{5, 0.22, 0.4e-3, 0.12, 1.2e-4, 0.03, 3e-5};
   constexpr double kFundamental = 1.2158;  // of a trapezoid with a flat top of 120 degrees
-  return {.motor = {.pole_pairs = d.pole_pairs,
-                    .resistance_ohm = d.line_ohm / 2,
-                    .inductance_d_h = d.line_h / 2,
-                    .inductance_q_h = d.line_h / 2,
-                    .flux_wb = kFundamental * d.kt / 2 / d.pole_pairs,
-                    .rated_current_a = model.current_a},
-          .link = {.source_v = model.bus_v, .resistance_ohm = 0, .capacitance_f = model.capacitance_f},
-          .mechanics = {.inertia_kgm2 = d.inertia,
-                        .viscous_nm_per_radps = d.viscous,
-                        .coulomb_nm = d.coulomb}};
+  return {
+      .motor = {.pole_pairs = d.pole_pairs,
+                .resistance_ohm = d.line_ohm / 2,
+                .inductance_d_h = d.line_h / 2,
+                .inductance_q_h = d.line_h / 2,
+                .flux_wb = kFundamental * d.kt / 2 / d.pole_pairs,
+                .rated_current_a = model.current_a},
+      .link = {.source_v = model.bus_v, .resistance_ohm = 0, .capacitance_f = model.capacitance_f},
+      .mechanics = {
+          .inertia_kgm2 = d.inertia, .viscous_nm_per_radps = d.viscous, .coulomb_nm = d.coulomb}};
 }
 
 class Rig {
@@ -75,12 +75,12 @@ class Rig {
     return run_to([&] { return (motor().status() & bits) == bits; }, patience);
   }
 
-  void change(std::int32_t Settings::*member, std::int32_t value) {
+  void change(std::int32_t Settings::* member, std::int32_t value) {
     Settings settings = controller->settings();
     settings.*member = value;
     controller->set_settings(settings);
   }
-  void load(double Load::*quantity, double value, std::size_t number = 0) {
+  void load(double Load::* quantity, double value, std::size_t number = 0) {
     Load load = axis(number).load();
     load.*quantity = value;
     axes_[number].set_load(load);
