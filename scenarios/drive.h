@@ -76,6 +76,8 @@ struct DriveKind {
   std::size_t channels;         // motors that it drives
   std::size_t default_channel;  // the motor number of the document's examples
   const protocol::ProtocolTable& table;
+  /// The rows of all models that speak it, where `table` is one model's; null: `table` is all.
+  const protocol::ProtocolTable* protocol = nullptr;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
   std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;
 };

@@ -95,6 +95,16 @@ bool answers_by_itself(std::uint8_t pid) {
   return std::ranges::find(kAnswerThemselves, pid) != std::end(kAnswerThemselves);
 }
 
+std::string describe(const Frame& frame) {
+  if (frame.command != nullptr) {
+    return fmt::format("{} {}", frame.command->name,
+                       protocol::describe(frame.command->request, frame.values));
+  }
+  const bool text = frame.parameter->type == WireType::kText;
+  return fmt::format("{} {}", frame.parameter->name,
+                     text ? "" : protocol::describe(write_fields(*frame.parameter), frame.values));
+}
+
 }  // namespace
 
 Device::Device(EventLoop& loop, SerialPort& port, md::Controller& controller,
@@ -156,14 +166,7 @@ void Device::take(const Frame& frame) {
     tell(WireEvent::Kind::kLost, decoder_.bytes(), "too many frames are waiting");
     return;
   }
-  const bool command = frame.command != nullptr;
-  tell(WireEvent::Kind::kRequest, decoder_.bytes(),
-       listener_ ? fmt::format("{} {}", command ? frame.command->name : frame.parameter->name,
-                               describe(command ? std::vector<Field>(frame.command->request.begin(),
-                                                                     frame.command->request.end())
-                                                : write_fields(*frame.parameter),
-                                        frame.values))
-                 : std::string());
+  tell(WireEvent::Kind::kRequest, decoder_.bytes(), listener_ ? describe(frame) : std::string());
   queue_.push_back(frame);
   if (work_.due() == kNever) work_.at(loop_.now());
 }

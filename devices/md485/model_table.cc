@@ -89,6 +89,9 @@ void ModelTable::adapt(ParameterRow& row) const {
     case 143:
       if (model_.ac) row.scale = 1;
       break;
+    case 159:
+      row.factory.value = md::default_settings(model_).slow_start;
+      break;
     case 193:
     case 200:
       if (strict) row.fields = std::span(kMainData).first(std::size(kMainData) - 1);

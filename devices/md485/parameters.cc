@@ -185,7 +185,7 @@ std::int32_t low_limit(std::int64_t v) {
 }
 // 0 is not set; the document's range is 512..1023.
 std::int32_t high_limit(std::int64_t v) {
-  return v == 0 ? 0 : std::max(ten_bits(v), 512);
+  return v <= 0 ? 0 : std::max(ten_bits(v), 512);
 }
 
 bool write_gains(Settings& s, const Values& v) {
@@ -315,6 +315,8 @@ constexpr auto kBlocks = std::to_array<Binding<Block>>({
 });
 
 constexpr std::uint8_t kComTarSpeed = 180;
+constexpr std::uint8_t kInputType = 25;
+constexpr std::int64_t kNoInputType = 4;  // V4.4 has 0..3 and 5
 
 // Every row that is not rejected has a setting or a block behind it, and nothing else has.
 consteval bool all_bound() {
@@ -415,6 +417,7 @@ bool Parameters::write(std::uint8_t pid, const Values& values) {
     const std::int64_t value = values[checked ? 1 : 0];
     const bool is_number = protocol::width(row->type) > 1;
     if (!is_number && !row->range.contains(value)) return false;
+    if (pid == kInputType && value == kNoInputType) return false;
     settings.**protocol::find(kSettingRows, pid) =
         static_cast<std::int32_t>(std::clamp(value, row->range.minimum, row->range.maximum));
   }

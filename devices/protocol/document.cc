@@ -52,12 +52,13 @@ void write_framing(Out out, const Framing& framing) {
       framing.order == ByteOrder::kLittleEndian ? "little-endian" : "big-endian", framing.longest);
 }
 
-void write_commands(Out out, std::span<const CommandRow> rows) {
+void write_commands(Out out, std::string_view title, std::span<const CommandRow> rows) {
   if (rows.empty()) return;
   fmt::format_to(
       out,
-      "## Commands\n\n| code | name | request | reply | support | evidence | section | |\n"
-      "|---|---|---|---|---|---|---|---|\n");
+      "## {}\n\n| code | name | request | reply | support | evidence | section | |\n"
+      "|---|---|---|---|---|---|---|---|\n",
+      title);
   for (const CommandRow& row : rows) {
     fmt::format_to(out, "| {:02X} | {} | {} | {} | {} | {} | {} | {} |\n", row.code, row.name,
                    cell(layout(row.request)), cell(layout(row.reply)), word(row.support),
@@ -142,7 +143,8 @@ std::string document(const ProtocolTable& table) {
       "is silent.\n\n",
       table.name, table.document);
   write_framing(out, table.framing);
-  write_commands(out, table.commands);
+  write_commands(out, "Commands", table.commands);
+  write_commands(out, "Functions", table.functions);
   write_parameters(out, table.parameters);
   write_codes(out, "Error codes", table.errors);
   write_codes(out, "Fault bits", table.faults);

@@ -402,7 +402,8 @@ void Walk::unknown_parameters() {
 
 void Walk::accept(const ParameterRow& row, Setting setting, const std::string& what) {
   const std::string value = fmt::format("{}, {} unit {}", what, setting.value, setting.unit);
-  expect(name_of(row), "takes " + value, dialect_.write(row, options_.channel, setting), kAnswered);
+  expect(name_of(row), "takes " + value, dialect_.write(row, options_.channel, setting),
+         dialect_.written());
   if (row.access == Access::kReadWrite) reads_back(row, setting, "reads back " + value);
 }
 
@@ -411,7 +412,13 @@ void Walk::refuse(const ParameterRow& row, Setting setting, Refusal refusal,
   const std::string value = fmt::format("{}, {} unit {}", what, setting.value, setting.unit);
   expect(name_of(row), "refuses " + value, dialect_.write(row, options_.channel, setting),
          dialect_.refusal(refusal));
-  if (before) reads_back(row, *before, "is unchanged by " + value);
+  if (!before) return;
+  const auto settled =
+      refusal == Refusal::kOutOfRange ? dialect_.settles(row, setting) : std::nullopt;
+  if (settled)
+    reads_back(row, *settled, "keeps to its range at " + value);
+  else
+    reads_back(row, *before, "is unchanged by " + value);
 }
 
 void Walk::reads_back(const ParameterRow& row, Setting expected, const std::string& what) {

@@ -85,6 +85,10 @@ class Dialect {
   // --- What to expect ---
   virtual Answer refusal(Refusal refusal) const = 0;
   virtual Answer reaction(Damage damage) const = 0;
+  /// To a good write of a parameter.
+  virtual Answer written() const { return {.kind = Answer::Kind::kValues}; }
+  /// What a row holds after a number out of its range; nothing: what it held before.
+  virtual std::optional<Setting> settles(const ParameterRow&, Setting) const { return {}; }
   virtual Answer to_unknown_command() const = 0;
 
   // --- Where and in what order ---

@@ -66,7 +66,8 @@ int list_parameters(const std::string& drive) {
 }
 
 int document_drive(const std::string& drive) {
-  fmt::print("{}", protocol::document(find_drive(drive).table));
+  const DriveKind& kind = find_drive(drive);
+  fmt::print("{}", protocol::document(kind.protocol != nullptr ? *kind.protocol : kind.table));
   return kExitOk;
 }
 
