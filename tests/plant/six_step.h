@@ -13,6 +13,7 @@ struct SixStep {
   SimDuration pwm_period{0};
   SimDuration dead_time{0};
   int direction = 1;
+  int last_sector = -1;
 
   /// The pair of phases under the flat tops at the rotor's angle.
   static int sector(double electrical_rad) {
@@ -39,8 +40,8 @@ struct SixStep {
   void run(Axis& axis, SimTime end, SimDuration step, const Each& each) {
     while (axis.now() < end) {
       const int now = sector(axis.electrical_angle_rad());
-      if (now != last_) {
-        last_ = now;
+      if (now != last_sector) {
+        last_sector = now;
         axis.set_bridge(command(now));
       }
       axis.advance_to(std::min(end, axis.now() + step));
@@ -50,9 +51,6 @@ struct SixStep {
   void run(Axis& axis, SimTime end, SimDuration step) {
     run(axis, end, step, [] {});
   }
-
- private:
-  int last_ = -1;
 };
 
 }  // namespace virtdrive
