@@ -20,6 +20,9 @@ struct Signal {
   std::string unit;  // as printed: "rpm", "A", "" for none
   std::string doc;   // one line
   std::function<double()> read;
+  /// Where the value is one of a few: their names, from 0 on; with `bits` those of its bits.
+  std::vector<std::string_view> words = {};
+  bool bits = false;
 };
 
 struct Input {

@@ -239,6 +239,23 @@ void YamlValue::expected(std::string_view what) const {
   VIRTDRIVE_CHECK(false, "{}", static_cast<int>(node_->kind));
 }
 
+YamlKind YamlValue::kind() const {
+  switch (node_->kind) {
+    case Kind::kNothing:
+      return YamlKind::kNothing;
+    case Kind::kList:
+      return YamlKind::kList;
+    case Kind::kMap:
+      return YamlKind::kMap;
+    default:
+      return YamlKind::kText;
+  }
+}
+
+bool YamlValue::quoted() const {
+  return node_->kind == Kind::kQuoted;
+}
+
 bool YamlValue::is_number() const {
   double value = 0;
   return node_->kind == Kind::kPlain && parse_number(node_->text, value);
@@ -301,8 +318,13 @@ std::vector<YamlValue> YamlValue::list(std::size_t least, std::size_t most) cons
   return values;
 }
 
-YamlMap YamlValue::map(const std::vector<std::string_view>& known) const {
+YamlMap YamlValue::map() const {
   if (node_->kind != Kind::kMap) expected("keys with values (key: value)");
+  return {*this, *node_, *file_};
+}
+
+YamlMap YamlValue::map(const std::vector<std::string_view>& known) const {
+  const YamlMap map = this->map();
   for (const YamlNode::Key& key : node_->keys) {
     if (std::ranges::find(known, key.text) != known.end()) continue;
     const std::string_view near = nearest_key(key.text, known);
@@ -312,7 +334,7 @@ YamlMap YamlValue::map(const std::vector<std::string_view>& known) const {
                                        "name)",
                                        shown(key.text), near));
   }
-  return {*this, *node_, *file_};
+  return map;
 }
 
 bool YamlMap::has(std::string_view key) const {

@@ -30,6 +30,8 @@ struct YamlPosition {
 
 struct YamlNode;  // of the tree that YamlFile owns
 
+enum class YamlKind : std::uint8_t { kNothing, kText, kList, kMap };
+
 struct NumberRange {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
@@ -55,6 +57,9 @@ class YamlValue {
   /// Refuses it: throws SetupError "FILE:LINE:COLUMN: message".
   [[noreturn]] void fail(std::string_view message) const;
 
+  YamlKind kind() const;
+  /// A text in quotes; its position is that of the first quote.
+  bool quoted() const;
   bool is_number() const;
   /// A finite decimal number in range.
   double number(const NumberRange& range = {}) const;
@@ -72,6 +77,8 @@ class YamlValue {
                               std::size_t most = std::numeric_limits<std::size_t>::max()) const;
   /// A mapping with no other keys than these.
   YamlMap map(const std::vector<std::string_view>& known) const;
+  /// A mapping whose keys the caller judges.
+  YamlMap map() const;
 
  private:
   [[noreturn]] void expected(std::string_view what) const;
@@ -91,7 +98,7 @@ class YamlMap {
   YamlValue operator[](std::string_view key) const;
   /// The keys in the order of the file.
   std::vector<std::string_view> keys() const;
-  /// The place of the key itself.
+  /// Refuses a key, at its own place.
   [[noreturn]] void fail_at_key(std::string_view key, std::string_view message) const;
   const YamlValue& self() const { return self_; }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 
 #include "core/sim_time.h"
 
@@ -17,6 +18,22 @@ namespace virtdrive {
 class ClientError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// It answered that it will not.
+class DriveRefused : public ClientError {
+ public:
+  DriveRefused(const std::string& what, std::int64_t code) : ClientError(what), code_(code) {}
+  std::int64_t code() const { return code_; }
+
+ private:
+  std::int64_t code_;
+};
+
+/// It did not answer.
+class DriveSilent : public ClientError {
+ public:
+  using ClientError::ClientError;
 };
 
 class HostTransport {

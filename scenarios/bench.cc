@@ -173,6 +173,12 @@ SerialLine& Bench::line(std::string_view name) {
   return named(lines_, "line", name, [](const NamedLine& line) -> auto& { return line.name; }).line;
 }
 
+std::string_view Bench::line_name(const SerialLine& line) const {
+  const auto it = std::ranges::find_if(lines_, [&](const auto& named) { return &named->line == &line; });
+  VIRTDRIVE_CHECK(it != lines_.end(), "a line of another bench");
+  return (*it)->name;
+}
+
 std::unique_ptr<HostClient> Bench::host(BenchDrive& drive) {
   return drive.kind().make_host(std::make_unique<LineTransport>(loop_, drive.line()));
 }

@@ -61,6 +61,7 @@ class Bench {
   BenchDrive& drive(std::string_view name);
   SerialLine& line() { return lines_.front()->line; }
   SerialLine& line(std::string_view name);
+  std::string_view line_name(const SerialLine& line) const;
   const std::vector<std::unique_ptr<BenchDrive>>& drives() const { return drives_; }
 
   /// Every signal, input and fault.

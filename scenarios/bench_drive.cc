@@ -125,6 +125,15 @@ void BenchDrive::apply_due_load_steps() {
 void BenchDrive::register_signals(Registry& registry) {
   for (std::size_t i = 0; i < channels(); ++i) register_channel(registry, i);
   drive_->register_signals(registry);
+  const auto count = [&](std::string_view name, std::string doc, std::uint64_t WireCounters::* of) {
+    registry.add(Signal{fmt::format("wire.{}", name), "", std::move(doc), [this, of] {
+                          return static_cast<double>(drive_->wire_counters().*of);
+                        }});
+  };
+  count("requests", "Good requests that the drive has heard", &WireCounters::requests);
+  count("replies", "Replies that it has sent", &WireCounters::replies);
+  count("bad_frames", "Frames that it could not take", &WireCounters::bad_frames);
+  count("bytes_lost", "Bytes that came while it was not listening", &WireCounters::bytes_lost);
 }
 
 void BenchDrive::register_channel(Registry& registry, std::size_t channel) {

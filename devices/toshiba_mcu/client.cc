@@ -24,12 +24,12 @@ protocol::Values Client::call(std::uint8_t command, const protocol::Values& requ
   Decoder decoder(Direction::kReply);
   while (true) {
     const auto byte = transport_.read(patience_);
-    if (!byte) throw ClientError(fmt::format("{}: the drive does not answer", row->name));
+    if (!byte) throw DriveSilent(fmt::format("{}: the drive does not answer", row->name));
     switch (decoder.push(*byte)) {
       case Decoder::Event::kTelegram:
         if (decoder.telegram().row == &kErrorReply) {
-          throw ClientError(
-              fmt::format("{}: refused with code {}", row->name, decoder.telegram().values[0]));
+          const std::int64_t code = decoder.telegram().values[0];
+          throw DriveRefused(fmt::format("{}: refused with code {}", row->name, code), code);
         }
         if (decoder.telegram().row == row) return decoder.telegram().values;
         throw ClientError(

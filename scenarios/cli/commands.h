@@ -7,6 +7,7 @@
 
 #include "scenarios/bench.h"
 #include "scenarios/replay.h"
+#include "scenarios/scenario/suite.h"
 
 namespace virtdrive {
 
@@ -56,6 +57,18 @@ struct ReplayCommand {
 };
 /// kExitFailed if the drives do not say what they said.
 int replay(const ReplayCommand& command);
+
+struct TestOptions {
+  SuiteOptions suite;
+  std::string junit;  // files; empty: none
+  std::string json;
+  std::string html;  // folder; empty: none
+  bool list = false;
+};
+int test(const TestOptions& options);
+
+/// The JSON schema of scenario files.
+int print_schema();
 
 int list_drives(bool names_only);
 int list_motors();

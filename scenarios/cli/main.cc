@@ -208,6 +208,56 @@ void add_motor(CLI::App& app, std::function<int()>& action) {
   command->callback([options, &action] { action = [options] { return motor(*options); }; });
 }
 
+// "2/5": the second of five parts.
+void parse_shard(const std::string& text, SuiteOptions& suite) {
+  const char* const last = text.data() + text.size();
+  const auto [slash, error] = std::from_chars(text.data(), last, suite.shard);
+  bool good = error == std::errc{} && slash != last && *slash == '/';
+  if (good) {
+    const auto [end, bad] = std::from_chars(slash + 1, last, suite.shards);
+    good = bad == std::errc{} && end == last;
+  }
+  if (!good || suite.shard < 1 || suite.shard > suite.shards) {
+    throw SetupError(fmt::format("--shard {}: expected I/N with 1 <= I <= N", text));
+  }
+}
+
+void add_test(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("test", "Play scenarios and say which failed");
+  auto options = std::make_shared<TestOptions>();
+  auto shard = std::make_shared<std::string>("1/1");
+  SuiteOptions& suite = options->suite;
+  command
+      ->add_option("PATH", suite.paths, "Scenario files, and folders of them: see docs/scenarios.md")
+      ->required();
+  command->add_option("-k", suite.pattern, "Only those with this text in path, name or a tag");
+  command->add_flag("--list", options->list, "Check the files and show what would be played");
+  command->add_flag("--long", suite.with_long, "Those tagged 'long' too");
+  command->add_option("--seed", suite.seed, "Seed of all noise, instead of each file's own")
+      ->check(not_negative());
+  command->add_option("--repeat", suite.repeat, "Play each so often, with the seeds that follow")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--shard", *shard, "I/N: only every N-th, from the I-th on")
+      ->capture_default_str();
+  command->add_option("--jobs", suite.jobs, "So many at once; 0: one a core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--junit", options->junit, "Write a JUnit XML file")->check(not_empty());
+  command->add_option("--json", options->json, "Write the results as JSON")->check(not_empty());
+  command->add_option("--html", options->html, "Write a report for people into this folder")
+      ->check(not_empty());
+  command->callback([options, shard, &action] {
+    parse_shard(*shard, options->suite);
+    action = [options] { return test(*options); };
+  });
+}
+
+void add_schema(CLI::App& app, std::function<int()>& action) {
+  app.add_subcommand("schema", "Print the JSON schema of scenario files, for editors")
+      ->callback([&action] { action = print_schema; });
+}
+
 void add_document(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("document", "Print a drive's protocol as a Markdown page");
   auto drive = std::make_shared<std::string>();
@@ -240,13 +290,16 @@ int run_program(int argc, char** argv) {
   app.set_version_flag("--version", VIRTDRIVE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 1 the run failed, 2 an option, name, file or port cannot be used.");
+      "Exit codes: 0 done, 1 the run or a scenario failed, 2 an option, name, file or port cannot be "
+      "used.");
   std::function<int()> action;
   add_run(app, action);
   add_demo(app, action);
   add_replay(app, action);
+  add_test(app, action);
   add_list(app, action);
   add_motor(app, action);
+  add_schema(app, action);
   add_document(app, action);
   check_command(app, argc, argv);
   try {

@@ -16,6 +16,22 @@ using namespace toshiba_mcu;
 // A 24 V laboratory supply that cannot absorb, 0.1 Ohm with its leads, and the board's 1000 uF.
 constexpr DcLinkParameters kSupply{.source_v = 24, .resistance_ohm = 0.1, .capacitance_f = 1e-3};
 
+std::vector<std::string_view> stage_names() {
+  std::vector<std::string_view> names;
+  for (auto stage = Stage::kStop; stage <= Stage::kEmergency;
+       stage = static_cast<Stage>(static_cast<int>(stage) + 1)) {
+    names.push_back(name(stage));
+  }
+  return names;
+}
+
+// In the order of their bits, which have no gap.
+std::vector<std::string_view> names_of(std::span<const CodeRow> bits) {
+  std::vector<std::string_view> names;
+  for (const CodeRow& bit : bits) names.push_back(bit.name);
+  return names;
+}
+
 double rpm(const MotorChannel& channel, double electrical_hz) {
   return electrical_hz * 60 / channel.scaling().pole_pairs;
 }
@@ -151,17 +167,21 @@ void ToshibaMcuDrive::register_signals(Registry& registry) {
 void ToshibaMcuDrive::register_channel(Registry& registry, std::size_t index) {
   // Without power there is no program that could hold a value: it reads 0.
   const auto add = [&](std::string_view quantity, std::string unit, std::string doc,
-                       double (*read)(const MotorChannel&)) {
+                       double (*read)(const MotorChannel&), std::vector<std::string_view> words = {},
+                       bool bits = false) {
     registry.add(Signal{
         fmt::format("drive{}.{}", index, quantity), std::move(unit), std::move(doc),
-        [this, index, read] { return mcu_ ? read(mcu_->firmware.board(index).channel()) : 0; }});
+        [this, index, read] { return mcu_ ? read(mcu_->firmware.board(index).channel()) : 0; },
+        std::move(words), bits});
   };
   using Channel = const MotorChannel&;
   add("stage", "",
       "0 Stop, 1 Bootstrap, 2 Brake, 3 ZeroCurrentMeasure, 4 Initposition, 5 Force, "
       "6 FOC, 7 Emergency",
-      [](Channel c) { return static_cast<double>(c.stage()); });
-  add("errors", "", "Error bits (MMS_ErrorState)", [](Channel c) { return double(c.errors()); });
+      [](Channel c) { return static_cast<double>(c.stage()); }, stage_names());
+  add(
+      "errors", "", "Error bits (MMS_ErrorState)",
+      [](Channel c) { return double(c.errors()); }, names_of(kFaults), true);
   add("speed", "rpm", "Speed that the drive reports",
       [](Channel c) { return double(c.actual_rpm()); });
   add("speed_target", "rpm", "Target speed", [](Channel c) { return double(c.target_rpm()); });

@@ -94,7 +94,7 @@ class ToshibaMcuHost final : public HostClient {
   Reading get(std::string_view parameter) override {
     const auto [channel, row] = parse_name(parameter, parameter);
     const UnitValue read = client_.get(motor_nr(channel.value_or(kDefaultChannel)), row->name);
-    return {double(read.value), unit_text(*row, read.unit)};
+    return {double(read.value) * row->scale, unit_text(*row, read.unit)};
   }
   void set(std::string_view assignment) override {
     const auto [channel, row, value] = parse_toshiba_mcu_assignment(assignment);

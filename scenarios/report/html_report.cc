@@ -95,23 +95,38 @@ std::string draw(const TimeAxis& axis, const EventPlot& plot, bool) {
 
 }  // namespace
 
-std::string html(const Report& report) {
-  std::string page = fmt::format(
+std::string html_page(std::string_view title, std::string_view style, std::string_view body) {
+  return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{2}</p>\n<dl>\n",
-      escape_xml(report.title), kStyle, escape_xml(report.summary));
-  for (const Fact& fact : report.facts) {
-    page += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", escape_xml(fact.name),
+      "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{}</title>\n"
+      "<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      escape_xml(title), kStyle, style, body);
+}
+
+std::string html(const std::vector<Fact>& facts) {
+  std::string list = "<dl>\n";
+  for (const Fact& fact : facts) {
+    list += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", escape_xml(fact.name),
                         escape_xml(fact.value));
   }
-  page += "</dl>\n";
-  const std::size_t plots = report.axis.time_s.size() < 2 ? 0 : report.plots.size();
-  for (std::size_t i = 0; i < plots; ++i) {
-    page += std::visit([&](const auto& plot) { return draw(report.axis, plot, i == 0); },
-                       report.plots[i]);
+  return list + "</dl>\n";
+}
+
+std::string html(const TimeAxis& axis, const std::vector<Plot>& plots) {
+  std::string figures;
+  if (axis.time_s.size() < 2) return figures;
+  for (const Plot& plot : plots) {
+    const bool first = figures.empty();
+    figures += std::visit([&](const auto& drawn) { return draw(axis, drawn, first); }, plot);
   }
-  return page + "</body>\n</html>\n";
+  return figures;
+}
+
+std::string html(const Report& report) {
+  return html_page(report.title, "",
+                   fmt::format("<h1>{}</h1>\n<p>{}</p>\n{}{}", escape_xml(report.title),
+                               escape_xml(report.summary), html(report.facts),
+                               html(report.axis, report.plots)));
 }
 
 }  // namespace virtdrive

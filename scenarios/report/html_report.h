@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct Report {
   TimeAxis axis;
   std::vector<Plot> plots;  // from top to bottom; the first is not a band, it names the moments
 };
+
+/// A whole page of its own around `body`, in the reports' style, light and dark; `style` adds to it.
+std::string html_page(std::string_view title, std::string_view style, std::string_view body);
+/// A list of facts.
+std::string html(const std::vector<Fact>& facts);
+/// Figures over one time axis; "" if it has less than two times.
+std::string html(const TimeAxis& axis, const std::vector<Plot>& plots);
 
 /// The page; without plots if there are less than two times.
 std::string html(const Report& report);
