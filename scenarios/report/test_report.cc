@@ -49,6 +49,10 @@ constexpr double kAroundFailure_s = 1;
 constexpr Color kColors[] = {Color::kBlue, Color::kOrange, Color::kGreen, Color::kPurple,
                              Color::kTeal, Color::kRed,    Color::kGrey};
 
+std::string duration(const ScenarioResult& result) {
+  return fmt::format("{:.3f} s", seconds(result.simulated));
+}
+
 std::string badge(const ScenarioResult& result) {
   return fmt::format("<span class=\"badge {0}\">{0}</span>",
                      result.passed() ? "passed" : "failed");
@@ -247,7 +251,7 @@ std::vector<Fact> facts_of(const ScenarioResult& result) {
   std::vector<Fact> facts = {{"File", result.file},
                              {"Bench", result.bench},
                              {"Seed", fmt::format("{}", result.seed)},
-                             {"Simulated", show_instant(kSimStart + result.simulated)}};
+                             {"Simulated", duration(result)}};
   if (!result.tags.empty()) facts.push_back({"Tags", fmt::format("{}", fmt::join(result.tags, ", "))});
   if (!result.source.empty()) facts.push_back({"Source", result.source});
   facts.push_back({"Play it again", again(result)});
@@ -300,7 +304,7 @@ void TestReport::close() {
         "<tr><td>{}</td><td><a href=\"{}\">{}</a><br><span class=\"bytes\">{}</span></td>"
         "<td class=\"time\">{}</td><td class=\"time\">{}</td><td class=\"detail\">{}</td></tr>\n",
         badge(result), escape_xml(row.page), escape_xml(result.name), escape_xml(result.file),
-        show_instant(kSimStart + result.simulated), result.seed,
+        duration(result), result.seed,
         result.failure ? escape_xml(one_line(*result.failure)) : "");
   };
   for (const Row& row : rows_) {

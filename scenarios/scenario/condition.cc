@@ -364,7 +364,8 @@ std::string LiveCondition::shortfall() const {
   for (const auto& all : any_of_) {
     for (const Part& part : all) {
       const double value = part.value();
-      if (!part.predicate.holds(value)) return part.predicate.shortfall(value, part.signal->unit);
+      if (part.predicate.holds(value)) continue;
+      return part.signal->words.empty() ? part.predicate.shortfall(value, part.signal->unit) : "";
     }
   }
   return {};

@@ -307,6 +307,9 @@ Milestone Loader::read_milestone(const YamlValue& value, std::string& text) {
 BenchDrive& Loader::drive_of(const YamlMap& map) const {
   if (!map.has("drive")) return bench_->drive();
   const YamlValue value = map["drive"];
+  if (bench_->drive().name().empty()) {
+    value.fail("the only drive of this bench has no name; leave `drive` out");
+  }
   try {
     return bench_->drive(value.text());
   } catch (const SetupError& error) {
@@ -372,6 +375,10 @@ const Input& Loader::input_named(const Place& at, std::string_view name, bool fa
   if (of_the_other_kind) {
     at.fail(fault ? fmt::format("{} is an input; use `apply`", name)
                   : fmt::format("{} is a fault; use `inject`", name));
+  }
+  const auto& signals = bench_->registry().signals();
+  if (std::ranges::find(signals, name, &Signal::name) != signals.end()) {
+    at.fail(fmt::format("{} can be read only; it follows from what the bench does", name));
   }
   if (known.empty()) at.fail(fmt::format("unknown {} '{}': this bench has none", kind, name));
   at.fail(unknown_name(kind, name, known));
