@@ -75,5 +75,6 @@ int list_motors();
 int list_signals(const std::string& drive);
 int list_parameters(const std::string& drive);
 int document_drive(const std::string& drive);
+int document_scenarios(const std::vector<std::string>& paths);
 
 }  // namespace virtdrive

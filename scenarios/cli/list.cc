@@ -3,6 +3,7 @@
 
 #include "devices/protocol/document.h"
 #include "scenarios/cli/commands.h"
+#include "scenarios/scenario/gallery.h"
 
 namespace virtdrive {
 
@@ -68,6 +69,11 @@ int list_parameters(const std::string& drive) {
 int document_drive(const std::string& drive) {
   const DriveKind& kind = find_drive(drive);
   fmt::print("{}", protocol::document(kind.protocol != nullptr ? *kind.protocol : kind.table));
+  return kExitOk;
+}
+
+int document_scenarios(const std::vector<std::string>& paths) {
+  fmt::print("{}", gallery(find_scenarios(paths)));
   return kExitOk;
 }
 

@@ -260,10 +260,26 @@ void add_schema(CLI::App& app, std::function<int()>& action) {
 }
 
 void add_document(CLI::App& app, std::function<int()>& action) {
-  CLI::App* command = app.add_subcommand("document", "Print a drive's protocol as a Markdown page");
-  auto drive = std::make_shared<std::string>();
-  command->add_option("DRIVE", *drive, "The drive")->required();
-  command->callback([drive, &action] { action = [drive] { return document_drive(*drive); }; });
+  CLI::App* command = app.add_subcommand(
+      "document", "Print a drive's protocol, or a page of scenarios, as Markdown");
+  struct Words {
+    std::string drive;
+    std::vector<std::string> scenarios;
+  };
+  auto words = std::make_shared<Words>();
+  CLI::Option* const drive = command->add_option("DRIVE", words->drive, "The drive");
+  CLI::Option* const scenarios =
+      command->add_option("--scenarios", words->scenarios, "Scenario files and folders of them")
+          ->excludes(drive);
+  command->callback([words, drive, scenarios, &action] {
+    if (drive->empty() && scenarios->empty()) {
+      throw SetupError("document: expected a drive, or --scenarios PATH");
+    }
+    action = [words] {
+      return words->drive.empty() ? document_scenarios(words->scenarios)
+                                  : document_drive(words->drive);
+    };
+  });
 }
 
 // "virtdrive run": the words of the sub-command that was being read.

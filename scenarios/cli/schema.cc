@@ -1,8 +1,7 @@
-#include "scenarios/scenario/schema.h"
-
 #include <fmt/format.h>
 
 #include "scenarios/cli/commands.h"
+#include "scenarios/scenario/schema.h"
 
 namespace virtdrive {
 

@@ -35,6 +35,7 @@ struct Wrong {
 struct Task {
   Wakeup wakeup;
   std::function<void(Task&)> run;
+  std::string input;  // that it moves; "" for none
   bool done = false;
 };
 
@@ -43,7 +44,7 @@ struct Armed {
   const Step* step;
   std::optional<LiveCondition> when;
   std::size_t frames = 0;
-  bool seen = false;  // the moment has come; `after` runs
+  bool seen = false;   // the moment has come; `after` runs
   bool fired = false;
   Wakeup wakeup;
 };
@@ -111,7 +112,9 @@ class Player {
   void switch_power(const std::string& drive, bool on);
   void move(const std::string& input, std::vector<Profile::Point> points, bool linear,
             std::size_t repeat, bool background);
-  void later(SimDuration delay, std::function<void()> act);
+  void set_input(const std::string& input, double value);
+  void leave_alone(const std::string& input);
+  Task& later(SimDuration delay, std::function<void()> act);
   Task& start_task(std::function<void(Task&)> run, SimTime first);
   void forget_done_tasks();
   void let_pass(SimDuration time);
@@ -129,10 +132,10 @@ class Player {
   Wakeup heartbeat_;
   bool beating_ = false;
 
-  const Step* step_ = nullptr;  // under way
+  const Step* step_ = nullptr;          // under way
   int depth_ = 0;
-  std::string detail_;                       // what the step has to tell
-  std::optional<Failure> violation_;         // of a watch
+  std::string detail_;                  // what the step has to tell
+  std::optional<Failure> violation_;    // of a watch
   const std::vector<Step>* list_ = nullptr;  // the step is one of
   // A watch, which ends when a step of its list begins, or with the list.
   struct Ending {
@@ -351,8 +354,8 @@ void Player::perform(const Action& action, const std::string& text) {
 }
 
 void Player::on_frame(std::string_view drive, const WireEvent& event) {
-  result_.frames.add(
-      {event.time, std::string(drive), event.kind, hex(event.bytes), std::string(event.text)});
+  result_.frames.add({event.time, std::string(drive), event.kind, hex(event.bytes),
+                      std::string(event.text)});
   for (Armed& armed : armed_) count_milestone(armed, drive, event);
 }
 
@@ -388,8 +391,9 @@ void Player::judge(const ExpectedReply& expected, const std::function<void()>& a
 }
 
 void Player::run(const StartMotor& start) {
-  judge(start.reply,
-        [&] { bench_.host(bench_.drive(start.drive))->start_motor(start.channel, start.rpm); });
+  judge(start.reply, [&] {
+    bench_.host(bench_.drive(start.drive))->start_motor(start.channel, start.rpm);
+  });
 }
 
 void Player::run(const StopMotor& stop) {
@@ -412,8 +416,8 @@ void Player::run(const ReadParameter& read) {
     if (!reading) return;
     detail_ = show_quantity(reading->value, reading->unit);
     if (!read.wanted) return;
-    const auto value =
-        read.unit.empty() ? reading->value : convert(reading->value, reading->unit, read.unit);
+    const auto value = read.unit.empty() ? reading->value
+                                         : convert(reading->value, reading->unit, read.unit);
     if (value && read.wanted->holds(*value)) return;
     if (loop_.now() + read.every > limit) {
       throw Wrong{fmt::format("{} {}", read.parameter, read.wanted->text), detail_,
@@ -558,7 +562,8 @@ void Player::run(const Watch& watch) {
                          .at = loop_.now()};
     loop_.stop();
   };
-  const auto id = watcher_.add({.condition = condition, .awaited = watch.never, .then = violated});
+  const auto id =
+      watcher_.add({.condition = condition, .awaited = watch.never, .then = violated});
   endings_.push_back({list_, watch.until ? &(*list_)[*watch.until] : nullptr, id, over});
 }
 
@@ -577,8 +582,22 @@ void Player::forget_done_tasks() {
   std::erase_if(armed_, [](const Armed& armed) { return armed.fired; });
 }
 
-void Player::later(SimDuration delay, std::function<void()> act) {
-  start_task(
+// Whatever moves the input ends: the last word is valid.
+void Player::leave_alone(const std::string& input) {
+  for (const auto& task : tasks_) {
+    if (task->input != input) continue;
+    task->wakeup.cancel();
+    task->done = true;
+  }
+}
+
+void Player::set_input(const std::string& input, double value) {
+  bench_.set(input, value);
+  tell(fmt::format("{} {}", input, show_quantity(value, bench_.registry().signal(input).unit)));
+}
+
+Task& Player::later(SimDuration delay, std::function<void()> act) {
+  return start_task(
       [act = std::move(act)](Task& task) {
         task.done = true;
         act();
@@ -587,19 +606,13 @@ void Player::later(SimDuration delay, std::function<void()> act) {
 }
 
 void Player::run(const Apply& apply) {
-  std::vector<NamedValue> before;
   for (const auto& [name, value] : apply.inputs) {
-    before.emplace_back(name, bench_.read(name));
-    bench_.set(name, value);
-    tell(fmt::format("{} {}", name, show_quantity(value, bench_.registry().signal(name).unit)));
+    const double before = bench_.read(name);
+    leave_alone(name);
+    set_input(name, value);
+    if (!apply.lasts) continue;
+    later(*apply.lasts, [this, input = name, before] { set_input(input, before); }).input = name;
   }
-  if (!apply.lasts) return;
-  later(*apply.lasts, [this, before] {
-    for (const auto& [name, value] : before) {
-      bench_.set(name, value);
-      tell(fmt::format("{} {}", name, show_quantity(value, bench_.registry().signal(name).unit)));
-    }
-  });
 }
 
 void Player::move(const std::string& input, std::vector<Profile::Point> points, bool linear,
@@ -607,14 +620,13 @@ void Player::move(const std::string& input, std::vector<Profile::Point> points, 
   const SimTime begin = loop_.now();
   const SimDuration length = points.back().at;
   const SimTime end = begin + length * static_cast<std::int64_t>(repeat);
-  const std::string unit = bench_.registry().signal(input).unit;
+  leave_alone(input);
   tell(fmt::format("{} begins to move", input));
   Task& task = start_task(
-      [this, input, points = std::move(points), linear, begin, end, length, unit](Task& self) {
+      [this, input, points = std::move(points), linear, begin, end, length](Task& self) {
         const SimTime now = loop_.now();
         if (now >= end) {
-          bench_.set(input, points.back().value);
-          tell(fmt::format("{} {}", input, show_quantity(points.back().value, unit)));
+          set_input(input, points.back().value);
           self.done = true;
           return;
         }
@@ -630,6 +642,7 @@ void Player::move(const std::string& input, std::vector<Profile::Point> points, 
         self.wakeup.at(linear ? std::min(now + kRampInterval, end) : now + (next->at - at));
       },
       begin);
+  task.input = input;
   if (background) return;
   const SimTime limit = end;
   while (!task.done && loop_.now() < limit) let_pass(limit - loop_.now());
@@ -684,7 +697,8 @@ void Player::switch_power(const std::string& drive, bool on) {
 void Player::run(const Power& power) {
   switch_power(power.drive, power.on);
   if (!power.lasts) return;
-  later(*power.lasts, [this, drive = power.drive, on = !power.on] { switch_power(drive, on); });
+  later(*power.lasts,
+        [this, drive = power.drive, on = !power.on] { switch_power(drive, on); });
 }
 
 void Player::run(const Reset& reset) {

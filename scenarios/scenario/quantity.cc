@@ -122,7 +122,7 @@ std::string show_time(SimDuration duration) {
   const std::int64_t ns = duration.count();
   constexpr std::int64_t kSecond = 1'000'000'000;
   if (ns != 0 && ns % (3600 * kSecond) == 0) return fmt::format("{} h", ns / (3600 * kSecond));
-  if (ns >= kSecond || ns == 0) return fmt::format("{} s", seconds(duration));
+  if (ns >= kSecond || ns == 0) return fmt::format("{} s", static_cast<double>(ns) / 1e9);
   if (ns >= 1'000'000) return fmt::format("{} ms", static_cast<double>(ns) / 1e6);
   return fmt::format("{} us", static_cast<double>(ns) / 1e3);
 }
