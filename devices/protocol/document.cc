@@ -54,11 +54,10 @@ void write_framing(Out out, const Framing& framing) {
 
 void write_commands(Out out, std::string_view title, std::span<const CommandRow> rows) {
   if (rows.empty()) return;
-  fmt::format_to(
-      out,
-      "## {}\n\n| code | name | request | reply | support | evidence | section | |\n"
-      "|---|---|---|---|---|---|---|---|\n",
-      title);
+  fmt::format_to(out,
+                 "## {}\n\n| code | name | request | reply | support | evidence | section | |\n"
+                 "|---|---|---|---|---|---|---|---|\n",
+                 title);
   for (const CommandRow& row : rows) {
     fmt::format_to(out, "| {:02X} | {} | {} | {} | {} | {} | {} | {} |\n", row.code, row.name,
                    cell(layout(row.request)), cell(layout(row.reply)), word(row.support),

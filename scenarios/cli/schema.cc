@@ -1,7 +1,8 @@
+#include "scenarios/scenario/schema.h"
+
 #include <fmt/format.h>
 
 #include "scenarios/cli/commands.h"
-#include "scenarios/scenario/schema.h"
 
 namespace virtdrive {
 

@@ -24,8 +24,9 @@ class Progress {
   void begin() { show_count(0); }
   void add(std::size_t index, const ScenarioResult& result) {
     if (terminal_) fmt::print("{}", kEraseLine);
-    fmt::print("{} {}  {} ({:.3f} s, seed {})\n", coloured(result.passed() ? "passed" : "FAILED", result),
-               result.file, result.name, seconds(result.simulated), result.seed);
+    fmt::print("{} {}  {} ({:.3f} s, seed {})\n",
+               coloured(result.passed() ? "passed" : "FAILED", result), result.file, result.name,
+               seconds(result.simulated), result.seed);
     if (!result.passed()) fmt::print("{}", explain(result));
     show_count(index + 1);
   }

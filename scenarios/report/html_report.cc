@@ -123,10 +123,10 @@ std::string html(const TimeAxis& axis, const std::vector<Plot>& plots) {
 }
 
 std::string html(const Report& report) {
-  return html_page(report.title, "",
-                   fmt::format("<h1>{}</h1>\n<p>{}</p>\n{}{}", escape_xml(report.title),
-                               escape_xml(report.summary), html(report.facts),
-                               html(report.axis, report.plots)));
+  return html_page(
+      report.title, "",
+      fmt::format("<h1>{}</h1>\n<p>{}</p>\n{}{}", escape_xml(report.title),
+                  escape_xml(report.summary), html(report.facts), html(report.axis, report.plots)));
 }
 
 }  // namespace virtdrive

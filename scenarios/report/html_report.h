@@ -26,7 +26,8 @@ struct Report {
   std::vector<Plot> plots;  // from top to bottom; the first is not a band, it names the moments
 };
 
-/// A whole page of its own around `body`, in the reports' style, light and dark; `style` adds to it.
+/// A whole page of its own around `body`, in the reports' style, light and dark; `style` adds to
+/// it.
 std::string html_page(std::string_view title, std::string_view style, std::string_view body);
 /// A list of facts.
 std::string html(const std::vector<Fact>& facts);

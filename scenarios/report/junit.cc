@@ -24,21 +24,23 @@ std::string junit(const std::vector<ScenarioResult>& results) {
   const Totals total = totals(results);
   std::string text = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<testsuites name=\"virtdrive\" tests=\"{0}\" failures=\"{1}\" errors=\"0\" time=\"{2:.6f}\">\n"
+      "<testsuites name=\"virtdrive\" tests=\"{0}\" failures=\"{1}\" errors=\"0\" "
+      "time=\"{2:.6f}\">\n"
       "<testsuite name=\"virtdrive\" tests=\"{0}\" failures=\"{1}\" errors=\"0\" skipped=\"0\" "
       "time=\"{2:.6f}\">\n",
       results.size(), total.failed, total.simulated_s);
   for (const ScenarioResult& result : results) {
-    text += fmt::format(
-        "<testcase name=\"{} (seed {})\" classname=\"{}\" file=\"{}\" time=\"{:.6f}\"",
-        xml(result.name), result.seed, xml(case_class(result)), xml(result.file),
-        seconds(result.simulated));
+    text +=
+        fmt::format("<testcase name=\"{} (seed {})\" classname=\"{}\" file=\"{}\" time=\"{:.6f}\"",
+                    xml(result.name), result.seed, xml(case_class(result)), xml(result.file),
+                    seconds(result.simulated));
     if (result.passed()) {
       text += "/>\n";
       continue;
     }
-    text += fmt::format(">\n<failure message=\"{}\" type=\"expectation\">{}</failure>\n</testcase>\n",
-                        xml(one_line(*result.failure)), xml(explain(result)));
+    text +=
+        fmt::format(">\n<failure message=\"{}\" type=\"expectation\">{}</failure>\n</testcase>\n",
+                    xml(one_line(*result.failure)), xml(explain(result)));
   }
   return text + "</testsuite>\n</testsuites>\n";
 }

@@ -31,12 +31,9 @@ std::string test_json(const std::vector<ScenarioResult>& results) {
   const Totals total = totals(results);
   Json cases = Json::array();
   for (const ScenarioResult& result : results) {
-    Json one = {{"file", result.file},
-                {"name", result.name},
-                {"tags", result.tags},
-                {"seed", result.seed},
-                {"passed", result.passed()},
-                {"simulated_s", seconds(result.simulated)}};
+    Json one = {{"file", result.file},       {"name", result.name},
+                {"tags", result.tags},       {"seed", result.seed},
+                {"passed", result.passed()}, {"simulated_s", seconds(result.simulated)}};
     if (result.failure) {
       const Failure& failure = *result.failure;
       one["failure"] = {{"place", failure.place},       {"step", failure.step},

@@ -54,15 +54,14 @@ std::string duration(const ScenarioResult& result) {
 }
 
 std::string badge(const ScenarioResult& result) {
-  return fmt::format("<span class=\"badge {0}\">{0}</span>",
-                     result.passed() ? "passed" : "failed");
+  return fmt::format("<span class=\"badge {0}\">{0}</span>", result.passed() ? "passed" : "failed");
 }
 
 // --- Plots ---------------------------------------------------------------------------------------
 
 std::string title_of(std::string_view unit) {
   constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
-      {"rpm", "Speed"}, {"A", "Current"},          {"Nm", "Torque"},     {"V", "Voltage"},
+      {"rpm", "Speed"}, {"A", "Current"},        {"Nm", "Torque"},    {"V", "Voltage"},
       {"deg", "Angle"}, {"degC", "Temperature"}, {"kgm2", "Inertia"}, {"", "Values"}};
   for (const auto& [known, title] : kTitles) {
     if (known == unit) return std::string(title);
@@ -121,8 +120,8 @@ std::string figures(const ScenarioResult& result, const History::Rows& rows) {
     }
     auto& drawn = std::get<LinePlot>(*plot);
     const std::size_t number = drawn.lines.size();
-    drawn.lines.push_back({columns[i].name, rows.values[i],
-                           kColors[number % std::size(kColors)], number >= std::size(kColors)});
+    drawn.lines.push_back({columns[i].name, rows.values[i], kColors[number % std::size(kColors)],
+                           number >= std::size(kColors)});
   }
   std::vector<Plot> plots;
   if (!lines.empty()) {
@@ -157,8 +156,8 @@ std::string failure_box(const ScenarioResult& result) {
   std::string rows;
   const auto row = [&](std::string_view name, std::string_view value) {
     if (value.empty()) return;
-    rows += fmt::format("<tr><td>{}</td><td class=\"text\">{}</td></tr>\n", name,
-                        escape_xml(value));
+    rows +=
+        fmt::format("<tr><td>{}</td><td class=\"text\">{}</td></tr>\n", name, escape_xml(value));
   };
   row("step", failure.step);
   row("expected", failure.expected);
@@ -252,7 +251,8 @@ std::vector<Fact> facts_of(const ScenarioResult& result) {
                              {"Bench", result.bench},
                              {"Seed", fmt::format("{}", result.seed)},
                              {"Simulated", duration(result)}};
-  if (!result.tags.empty()) facts.push_back({"Tags", fmt::format("{}", fmt::join(result.tags, ", "))});
+  if (!result.tags.empty())
+    facts.push_back({"Tags", fmt::format("{}", fmt::join(result.tags, ", "))});
   if (!result.source.empty()) facts.push_back({"Source", result.source});
   facts.push_back({"Play it again", again(result)});
   for (const std::string& note : result.notes) facts.push_back({"Note", note});
@@ -304,8 +304,7 @@ void TestReport::close() {
         "<tr><td>{}</td><td><a href=\"{}\">{}</a><br><span class=\"bytes\">{}</span></td>"
         "<td class=\"time\">{}</td><td class=\"time\">{}</td><td class=\"detail\">{}</td></tr>\n",
         badge(result), escape_xml(row.page), escape_xml(result.name), escape_xml(result.file),
-        duration(result), result.seed,
-        result.failure ? escape_xml(one_line(*result.failure)) : "");
+        duration(result), result.seed, result.failure ? escape_xml(one_line(*result.failure)) : "");
   };
   for (const Row& row : rows_) {
     if (!row.result.passed()) add(row);

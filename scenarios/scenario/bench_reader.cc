@@ -126,7 +126,8 @@ std::vector<DriveSpec> drives_of(const YamlValue& value, const std::vector<LineS
 void refuse_beside(const YamlMap& map, std::string_view key,
                    std::initializer_list<std::string_view> others) {
   for (const std::string_view other : others) {
-    if (map.has(other)) map.fail_at_key(other, fmt::format("'{}' does not go with '{}'", other, key));
+    if (map.has(other))
+      map.fail_at_key(other, fmt::format("'{}' does not go with '{}'", other, key));
   }
 }
 

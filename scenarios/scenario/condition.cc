@@ -99,8 +99,8 @@ double number_in(std::string_view text, std::string_view unit, std::size_t at) {
   if (quantity->value == 0 && quantity->unit.empty()) return 0;
   if (const auto value = convert(quantity->value, quantity->unit, unit)) return *value;
   if (unit.empty()) {
-    Cursor::fail_at(fmt::format("'{}': the value has no unit; leave '{}' out", text, quantity->unit),
-                    at);
+    Cursor::fail_at(
+        fmt::format("'{}': the value has no unit; leave '{}' out", text, quantity->unit), at);
   }
   Cursor::fail_at(quantity->unit.empty()
                       ? fmt::format("'{}' needs a unit: {}", text, units_like(unit))
@@ -205,8 +205,7 @@ Comparison take_comparison(std::string_view text, std::size_t offset, const Regi
                             comparison.signal));
   }
   const std::size_t rest_at = cursor.place();
-  comparison.predicate =
-      take_predicate(Cursor(cursor.rest(), rest_at), ValueKind::of(*signal));
+  comparison.predicate = take_predicate(Cursor(cursor.rest(), rest_at), ValueKind::of(*signal));
   return comparison;
 }
 
@@ -341,8 +340,8 @@ double LiveCondition::Part::value() const {
 
 bool LiveCondition::met() const {
   return std::ranges::any_of(any_of_, [](const auto& all) {
-    return std::ranges::all_of(
-        all, [](const Part& part) { return part.predicate.holds(part.value()); });
+    return std::ranges::all_of(all,
+                               [](const Part& part) { return part.predicate.holds(part.value()); });
   });
 }
 

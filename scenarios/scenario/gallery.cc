@@ -49,7 +49,8 @@ std::string gallery(const std::vector<std::shared_ptr<const Scenario>>& scenario
   for (const auto& scenario : scenarios) folders[folder_of(*scenario)].push_back(scenario.get());
   std::string page =
       "# Scenarios that come with virtdrive\n\n"
-      "They are examples, tests and documentation at once: `./virtdrive test scenarios/library` plays "
+      "They are examples, tests and documentation at once: `./virtdrive test scenarios/library` "
+      "plays "
       "them, [scenarios.md](scenarios.md)\ntells the language. This page is made from them "
       "(`./dev docs`).\n";
   for (const auto& [folder, members] : folders) {

@@ -73,7 +73,8 @@ class Program {
     output_ = FileDescriptor{ends[0]};
     const FileDescriptor write_end{ends[1]};
     std::vector<char*> env;
-    for (const std::string& variable : variables) env.push_back(const_cast<char*>(variable.c_str()));
+    for (const std::string& variable : variables)
+      env.push_back(const_cast<char*>(variable.c_str()));
     env.push_back(nullptr);
     const char* const argv[] = {"sh", "-c", command.c_str(), nullptr};
 
@@ -115,8 +116,8 @@ class Program {
 
  private:
   [[noreturn]] static void fail(std::string_view what) {
-    throw SetupError(fmt::format("a host program cannot be started: {}: {}", what,
-                                 std::strerror(errno)));
+    throw SetupError(
+        fmt::format("a host program cannot be started: {}: {}", what, std::strerror(errno)));
   }
 
   pid_t pid_ = 0;
@@ -163,9 +164,8 @@ HostOutcome run_host_program(Bench& bench, const RunHost& host) {
                           : WIFSIGNALED(status)
                               ? fmt::format("ended by signal {}", WTERMSIG(status))
                               : fmt::format("exit code {}", WEXITSTATUS(status));
-  HostOutcome outcome{.summary = fmt::format("{}; {}", how, shown(program.said())),
-                      .expected = {},
-                      .wrong = {}};
+  HostOutcome outcome{
+      .summary = fmt::format("{}; {}", how, shown(program.said())), .expected = {}, .wrong = {}};
   if (!in_time) {
     outcome.expected = fmt::format("the program to end within {}", show_time(host.timeout));
     outcome.wrong = fmt::format("it was still running; {}", shown(program.said()));

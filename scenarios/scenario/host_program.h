@@ -16,9 +16,10 @@ struct HostOutcome {
   std::string wrong;     // "" if all was well
 };
 
-/// Runs the program to its end, or to the time-out; simulated time passes. It finds the terminals in
-/// its command ({port}, {port:LINE}) and its environment: VIRTDRIVE_PORT, and VIRTDRIVE_PORT_LINE
-/// for each line, in capitals. Its standard output and error are kept, up to 64 KiB.
+/// Runs the program to its end, or to the time-out; simulated time passes. It finds the terminals
+/// in its command ({port}, {port:LINE}) and its environment: VIRTDRIVE_PORT, and
+/// VIRTDRIVE_PORT_LINE for each line, in capitals. Its standard output and error are kept, up to 64
+/// KiB.
 HostOutcome run_host_program(Bench& bench, const RunHost& host);
 
 }  // namespace virtdrive

@@ -5,19 +5,28 @@ namespace {
 
 constexpr Key kDrive{"drive", Shape::kText, "The drive's name, where the bench has several"};
 constexpr Key kChannel{"channel", Shape::kCount, "The motor's number; the drive's own if left out"};
-constexpr Key kReply{"reply", Shape::kReply,
-                     "What the drive has to answer: done (if left out), none, error, the name of an "
-                     "error, anything"};
+constexpr Key kReply{
+    "reply", Shape::kReply,
+    "What the drive has to answer: done (if left out), none, error, the name of an "
+    "error, anything"};
 constexpr Key kBackground{"background", Shape::kFlag, "true: the next step does not wait for it"};
 
 }  // namespace
 
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table = {
-      {"start", Shape::kQuantity, "Sets the speed and starts a motor", {kChannel, kDrive, kReply},
-       false, false},
+      {"start",
+       Shape::kQuantity,
+       "Sets the speed and starts a motor",
+       {kChannel, kDrive, kReply},
+       false,
+       false},
       {"stop", Shape::kNothing, "Stops a motor", {kChannel, kDrive, kReply}, false, true},
-      {"set", Shape::kParameters, "Writes parameters, one request each", {kDrive, kReply}, false,
+      {"set",
+       Shape::kParameters,
+       "Writes parameters, one request each",
+       {kDrive, kReply},
+       false,
        false},
       {"read",
        Shape::kCondition,
@@ -114,8 +123,12 @@ const std::vector<Verb>& verbs() {
        false,
        false},
       {"note", Shape::kText, "A line for the report", {}, true, false},
-      {"repeat", Shape::kCount, "Does steps again and again",
-       {{"steps", Shape::kSteps, "The steps"}}, false, false},
+      {"repeat",
+       Shape::kCount,
+       "Does steps again and again",
+       {{"steps", Shape::kSteps, "The steps"}},
+       false,
+       false},
   };
   return table;
 }
@@ -186,9 +199,8 @@ const std::vector<Key>& bench_keys() {
 }
 
 const std::vector<Key>& record_keys() {
-  static const std::vector<Key> keys = {
-      {"signals", Shape::kList, "Names of signals"},
-      {"interval", Shape::kTime, "Between two samples (1 ms)"}};
+  static const std::vector<Key> keys = {{"signals", Shape::kList, "Names of signals"},
+                                        {"interval", Shape::kTime, "Between two samples (1 ms)"}};
   return keys;
 }
 

@@ -1,5 +1,5 @@
-// The words of a scenario file: one table, from which come the loader's look-up, the JSON schema and
-// the check that docs/scenarios.md tells of all of them.
+// The words of a scenario file: one table, from which come the loader's look-up, the JSON schema
+// and the check that docs/scenarios.md tells of all of them.
 #pragma once
 
 #include <span>
@@ -39,9 +39,9 @@ struct Verb {
   std::string_view name;
   Shape shape;
   std::string_view doc;
-  std::vector<Key> keys;   // that may stand beside it
-  bool may_be_triggered;   // `when`, `at`, `after`
-  bool may_be_alone;       // needs nothing behind it
+  std::vector<Key> keys;  // that may stand beside it
+  bool may_be_triggered;  // `when`, `at`, `after`
+  bool may_be_alone;      // needs nothing behind it
 };
 
 inline constexpr std::string_view kVersionKey = "virtdrive-scenario";

@@ -130,8 +130,9 @@ Scenario Loader::load() {
 
 void Loader::read_head(const YamlMap& root) {
   if (!root.has(language::kVersionKey)) {
-    root.self().fail(fmt::format("{}: {} is missing: this is no scenario, or one of no known format",
-                                 language::kVersionKey, language::kVersion));
+    root.self().fail(
+        fmt::format("{}: {} is missing: this is no scenario, or one of no known format",
+                    language::kVersionKey, language::kVersion));
   }
   const YamlValue version = root[language::kVersionKey];
   if (version.integer() != language::kVersion) {
@@ -171,7 +172,8 @@ void Loader::read_record(const YamlMap& root) {
 // --- Steps ---------------------------------------------------------------------------------------
 
 std::vector<Step> Loader::read_steps(const YamlValue& value, int depth) {
-  if (depth > kDeepestRepeat) value.fail(fmt::format("repeated {} deep at the most", kDeepestRepeat));
+  if (depth > kDeepestRepeat)
+    value.fail(fmt::format("repeated {} deep at the most", kDeepestRepeat));
   const int before = std::exchange(depth_, depth);
   std::vector<Step> steps;
   std::vector<std::pair<std::size_t, YamlValue>> untils;  // a watch, and the label that ends it
@@ -198,7 +200,8 @@ Step Loader::read_step(const YamlValue& value) {
     const std::string word = value.text();
     const Verb* const verb = find_verb(word);
     if (verb == nullptr) value.fail(unknown_name("step", word, verb_names()));
-    if (!verb->may_be_alone) value.fail(fmt::format("{0}: expected something behind it: '{0}: ...'", word));
+    if (!verb->may_be_alone)
+      value.fail(fmt::format("{0}: expected something behind it: '{0}: ...'", word));
     return read_verb(value, nullptr, *verb);
   }
   const YamlMap map = value.map();
@@ -207,21 +210,25 @@ Step Loader::read_step(const YamlValue& value) {
     const Verb* const candidate = find_verb(key);
     if (candidate == nullptr) continue;
     if (verb != nullptr) {
-      map.fail_at_key(key, fmt::format("'{}' and '{}' are two steps; expected one", verb->name, key));
+      map.fail_at_key(key,
+                      fmt::format("'{}' and '{}' are two steps; expected one", verb->name, key));
     }
     verb = candidate;
   }
   if (verb == nullptr) {
     if (map.keys().empty()) value.fail("an empty step");
-    map.fail_at_key(map.keys().front(),
-                    unknown_name("step", map.keys().front(), verb_names()));
+    map.fail_at_key(map.keys().front(), unknown_name("step", map.keys().front(), verb_names()));
   }
   return read_verb(value, &map, *verb);
 }
 
 Step Loader::read_verb(const YamlValue& value, const YamlMap* map, const Verb& verb) {
-  Step step{.place = value.position(), .verb = std::string(verb.name), .text = {}, .label = {},
-            .action = Note{}, .trigger = {}};
+  Step step{.place = value.position(),
+            .verb = std::string(verb.name),
+            .text = {},
+            .label = {},
+            .action = Note{},
+            .trigger = {}};
   static const YamlFile nothing("", "{}");
   const YamlMap none = nothing.root().map();
   const YamlMap& keys = map != nullptr ? *map : none;
@@ -287,11 +294,11 @@ Milestone Loader::read_milestone(const YamlValue& value, std::string& text) {
   const YamlMap map = checked_map(value, language::names(language::milestone_keys()));
   if (map.has("request") == map.has("reply")) value.fail("expected `request` or `reply`");
   const BenchDrive& drive = drive_of(map);
-  Milestone milestone{.drive = drive.name(),
-                      .kind = map.has("request") ? Milestone::Kind::kRequest
-                                                 : Milestone::Kind::kReply,
-                      .frame = {},
-                      .number = 1};
+  Milestone milestone{
+      .drive = drive.name(),
+      .kind = map.has("request") ? Milestone::Kind::kRequest : Milestone::Kind::kReply,
+      .frame = {},
+      .number = 1};
   const YamlValue name = map[map.has("request") ? "request" : "reply"];
   milestone.frame = command_named(name, drive.kind().table).name;
   if (map.has("number")) {
@@ -319,8 +326,8 @@ BenchDrive& Loader::drive_of(const YamlMap& map) const {
 
 std::size_t Loader::channel_of(const YamlMap& map, const BenchDrive& drive) const {
   if (!map.has("channel")) return drive.kind().default_channel;
-  return static_cast<std::size_t>(map["channel"].integer(
-      {.minimum = 0, .maximum = static_cast<double>(drive.channels() - 1)}));
+  return static_cast<std::size_t>(
+      map["channel"].integer({.minimum = 0, .maximum = static_cast<double>(drive.channels() - 1)}));
 }
 
 ExpectedReply Loader::reply_of(const YamlMap& map, const BenchDrive& drive,
@@ -369,9 +376,8 @@ const Input& Loader::input_named(const Place& at, std::string_view name, bool fa
     known.push_back(input.signal.name);
   }
   const std::string_view kind = fault ? "fault" : "input";
-  const bool of_the_other_kind =
-      std::ranges::any_of(bench_->registry().inputs(),
-                          [&](const Input& input) { return input.signal.name == name; });
+  const bool of_the_other_kind = std::ranges::any_of(
+      bench_->registry().inputs(), [&](const Input& input) { return input.signal.name == name; });
   if (of_the_other_kind) {
     at.fail(fault ? fmt::format("{} is an input; use `apply`", name)
                   : fmt::format("{} is a fault; use `inject`", name));
@@ -422,7 +428,8 @@ Action Loader::read_start(const Context& c, std::string& text) {
 }
 
 Action Loader::read_stop(const Context& c, std::string& text) {
-  if (c.value.kind() != YamlKind::kNothing && !(c.value.kind() == YamlKind::kText && c.value.text() == "stop")) {
+  if (c.value.kind() != YamlKind::kNothing &&
+      !(c.value.kind() == YamlKind::kText && c.value.text() == "stop")) {
     c.value.fail("stop: expected nothing behind it; `channel: 2` stands beside it");
   }
   BenchDrive& drive = drive_of(c.map);
@@ -474,7 +481,8 @@ Action Loader::read_read(const Context& c, std::string& text) {
   }
   for (const std::string_view key : {"within", "every"}) {
     if (!c.map.has(key)) continue;
-    if (!read.wanted) c.map.fail_at_key(key, fmt::format("{} goes with a comparison: NAME = 6", key));
+    if (!read.wanted)
+      c.map.fail_at_key(key, fmt::format("{} goes with a comparison: NAME = 6", key));
     (key == "within" ? read.within : read.every) = time_of(c.map[key]);
   }
   if (read.every < 1ms) c.map["every"].fail("expected 1 ms or more");
@@ -558,7 +566,8 @@ Action Loader::read_raw(const Context& c, std::string& text) {
       continue;
     }
     const auto bytes = parse_bytes(part);
-    if (!bytes) item.fail(fmt::format("'{}': expected bytes as 11 02 0a, or a pause as 20 ms", part));
+    if (!bytes)
+      item.fail(fmt::format("'{}': expected bytes as 11 02 0a, or a pause as 20 ms", part));
     SendRaw::Part& sent = raw.parts.emplace_back(SendRaw::Part{std::exchange(pause, {}), {}});
     for (const auto& byte : *bytes) {
       if (!byte) item.fail("?? stands in replies only");
@@ -659,11 +668,8 @@ Action Loader::read_ramp(const Context& c, std::string& text) {
 Action Loader::read_profile(const Context& c, std::string& text) {
   const std::string name = c.value.text();
   const Input& input = input_named(c.value, name, false);
-  Profile profile{.input = name,
-                  .points = {},
-                  .linear = true,
-                  .repeat = 1,
-                  .background = background_of(c.map)};
+  Profile profile{
+      .input = name, .points = {}, .linear = true, .repeat = 1, .background = background_of(c.map)};
   if (!c.map.has("points")) c.value.fail("a profile needs its points: [[0 s, 0 Nm], [1 s, 1 Nm]]");
   for (const YamlValue& point : c.map["points"].list(2, 10'000)) {
     const auto pair = point.list(2, 2);
@@ -728,18 +734,15 @@ Action Loader::read_power(const Context& c, std::string& text) {
 }
 
 Action Loader::read_reset(const Context& c, std::string&) {
-  if (c.value.kind() != YamlKind::kNothing && !(c.value.kind() == YamlKind::kText && c.value.text() == "reset")) {
+  if (c.value.kind() != YamlKind::kNothing &&
+      !(c.value.kind() == YamlKind::kText && c.value.text() == "reset")) {
     c.value.fail("reset: expected nothing behind it; `drive: NAME` stands beside it");
   }
   return Reset{drive_of(c.map).name()};
 }
 
 Action Loader::read_host(const Context& c, std::string& text) {
-  RunHost host{.command = c.value.text(),
-               .timeout = 30s,
-               .rate = 1,
-               .exit_code = 0,
-               .output = {}};
+  RunHost host{.command = c.value.text(), .timeout = 30s, .rate = 1, .exit_code = 0, .output = {}};
   text += " " + host.command;
   check_placeholders(c.value, host.command, scenario_.bench);
   if (c.map.has("timeout")) {
@@ -760,8 +763,8 @@ Action Loader::read_note(const Context& c, std::string& text) {
 }
 
 Action Loader::read_repeat(const Context& c, std::string& text) {
-  Repeat repeat{
-      static_cast<std::size_t>(c.value.integer({.minimum = 1, .maximum = 10'000'000})), {}};
+  Repeat repeat{static_cast<std::size_t>(c.value.integer({.minimum = 1, .maximum = 10'000'000})),
+                {}};
   if (!c.map.has("steps")) c.value.fail("repeat needs its steps");
   text += fmt::format(" {} times", repeat.count);
   repeat.steps = read_steps(c.map["steps"], depth_ + 1);

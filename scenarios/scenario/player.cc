@@ -44,7 +44,7 @@ struct Armed {
   const Step* step;
   std::optional<LiveCondition> when;
   std::size_t frames = 0;
-  bool seen = false;   // the moment has come; `after` runs
+  bool seen = false;  // the moment has come; `after` runs
   bool fired = false;
   Wakeup wakeup;
 };
@@ -132,10 +132,10 @@ class Player {
   Wakeup heartbeat_;
   bool beating_ = false;
 
-  const Step* step_ = nullptr;          // under way
+  const Step* step_ = nullptr;  // under way
   int depth_ = 0;
-  std::string detail_;                  // what the step has to tell
-  std::optional<Failure> violation_;    // of a watch
+  std::string detail_;                       // what the step has to tell
+  std::optional<Failure> violation_;         // of a watch
   const std::vector<Step>* list_ = nullptr;  // the step is one of
   // A watch, which ends when a step of its list begins, or with the list.
   struct Ending {
@@ -354,8 +354,8 @@ void Player::perform(const Action& action, const std::string& text) {
 }
 
 void Player::on_frame(std::string_view drive, const WireEvent& event) {
-  result_.frames.add({event.time, std::string(drive), event.kind, hex(event.bytes),
-                      std::string(event.text)});
+  result_.frames.add(
+      {event.time, std::string(drive), event.kind, hex(event.bytes), std::string(event.text)});
   for (Armed& armed : armed_) count_milestone(armed, drive, event);
 }
 
@@ -391,9 +391,8 @@ void Player::judge(const ExpectedReply& expected, const std::function<void()>& a
 }
 
 void Player::run(const StartMotor& start) {
-  judge(start.reply, [&] {
-    bench_.host(bench_.drive(start.drive))->start_motor(start.channel, start.rpm);
-  });
+  judge(start.reply,
+        [&] { bench_.host(bench_.drive(start.drive))->start_motor(start.channel, start.rpm); });
 }
 
 void Player::run(const StopMotor& stop) {
@@ -416,8 +415,8 @@ void Player::run(const ReadParameter& read) {
     if (!reading) return;
     detail_ = show_quantity(reading->value, reading->unit);
     if (!read.wanted) return;
-    const auto value = read.unit.empty() ? reading->value
-                                         : convert(reading->value, reading->unit, read.unit);
+    const auto value =
+        read.unit.empty() ? reading->value : convert(reading->value, reading->unit, read.unit);
     if (value && read.wanted->holds(*value)) return;
     if (loop_.now() + read.every > limit) {
       throw Wrong{fmt::format("{} {}", read.parameter, read.wanted->text), detail_,
@@ -562,8 +561,7 @@ void Player::run(const Watch& watch) {
                          .at = loop_.now()};
     loop_.stop();
   };
-  const auto id =
-      watcher_.add({.condition = condition, .awaited = watch.never, .then = violated});
+  const auto id = watcher_.add({.condition = condition, .awaited = watch.never, .then = violated});
   endings_.push_back({list_, watch.until ? &(*list_)[*watch.until] : nullptr, id, over});
 }
 
@@ -697,8 +695,7 @@ void Player::switch_power(const std::string& drive, bool on) {
 void Player::run(const Power& power) {
   switch_power(power.drive, power.on);
   if (!power.lasts) return;
-  later(*power.lasts,
-        [this, drive = power.drive, on = !power.on] { switch_power(drive, on); });
+  later(*power.lasts, [this, drive = power.drive, on = !power.on] { switch_power(drive, on); });
 }
 
 void Player::run(const Reset& reset) {

@@ -18,8 +18,8 @@ struct Quantity {
 /// a leading zero before digits, or goes on with another number.
 std::optional<Quantity> parse_quantity(std::string_view text);
 
-/// `value` in another unit of the same kind (rpm and rad/s, mNm and Nm, ms and s, % and ""); nothing
-/// if the units do not measure the same. Equal units always convert.
+/// `value` in another unit of the same kind (rpm and rad/s, mNm and Nm, ms and s, % and "");
+/// nothing if the units do not measure the same. Equal units always convert.
 std::optional<double> convert(double value, std::string_view from, std::string_view to);
 
 /// The units that convert to `unit`: "rpm or rad/s".

@@ -85,7 +85,7 @@ struct SendRaw {
   };
   std::string drive;
   std::vector<Part> parts;
-  bool judged = false;                                           // `reply` was given
+  bool judged = false;                             // `reply` was given
   std::vector<std::optional<std::uint8_t>> reply;  // none: any byte; empty: silence
   SimDuration within{};
 };
@@ -162,9 +162,9 @@ struct Repeat {
   std::vector<Step> steps;
 };
 
-using Action = std::variant<StartMotor, StopMotor, SetParameters, ReadParameter, CallCommand, SendRaw,
-                            WaitFor, WaitUntil, Expect, Watch, Apply, Ramp, Profile, Inject, Clear,
-                            Power, Reset, Note, RunHost, Repeat>;
+using Action = std::variant<StartMotor, StopMotor, SetParameters, ReadParameter, CallCommand,
+                            SendRaw, WaitFor, WaitUntil, Expect, Watch, Apply, Ramp, Profile,
+                            Inject, Clear, Power, Reset, Note, RunHost, Repeat>;
 
 // --- When it does it -----------------------------------------------------------------------------
 

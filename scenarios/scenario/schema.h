@@ -1,5 +1,5 @@
-// The JSON schema (draft 2020-12) of scenario files, for editors that complete and check YAML by it.
-// Made from the tables: the language's words, drives, motors, parameters, commands, errors.
+// The JSON schema (draft 2020-12) of scenario files, for editors that complete and check YAML by
+// it. Made from the tables: the language's words, drives, motors, parameters, commands, errors.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
-// Conditions kept in view while simulated time passes, whoever lets it pass: judged after the events
-// of an instant, at most every 20 us and at least every millisecond. Costs nothing while there are
-// none.
+// Conditions kept in view while simulated time passes, whoever lets it pass: judged after the
+// events of an instant, at most every 20 us and at least every millisecond. Costs nothing while
+// there are none.
 #pragma once
 
 #include <cstddef>

@@ -47,7 +47,8 @@ double number_of(const YamlValue& value, std::string_view unit) {
 }
 
 std::string time_message(std::string_view text) {
-  return fmt::format("'{}' is not a time: expected a number of us, ms, s, min or h, as 1.5 s", text);
+  return fmt::format("'{}' is not a time: expected a number of us, ms, s, min or h, as 1.5 s",
+                     text);
 }
 
 SimDuration time_of(const YamlValue& value) {

@@ -10,10 +10,10 @@ class ConditionTest : public testing::Test {
   ConditionTest() {
     registry_.add(Signal{"motor1.speed", "rpm", "", [this] { return speed; }});
     registry_.add(Signal{"bus1.voltage", "V", "", [this] { return volts; }});
-    registry_.add(Signal{
-        "drive1.stage", "", "", [this] { return stage; }, {"Stop", "Force", "FOC"}});
-    registry_.add(Signal{
-        "drive1.errors", "", "", [this] { return errors; }, {"Hot", "Stall"}, true});
+    registry_.add(
+        Signal{"drive1.stage", "", "", [this] { return stage; }, {"Stop", "Force", "FOC"}});
+    registry_.add(
+        Signal{"drive1.errors", "", "", [this] { return errors; }, {"Hot", "Stall"}, true});
   }
 
   bool met(std::string_view text) {

@@ -131,7 +131,8 @@ TEST(Player, ReadingsAreComparedAndAwaited) {
 }
 
 TEST(Player, CallsNameTheFieldsOfRequestAndReply) {
-  EXPECT_EQ(failure_of("  - call: GetFWVersion\n    reply: {major: 3, minor: \"> 9\"}\n"), "passed");
+  EXPECT_EQ(failure_of("  - call: GetFWVersion\n    reply: {major: 3, minor: \"> 9\"}\n"),
+            "passed");
   EXPECT_EQ(failure_of("  - call: GetFWVersion\n    reply: {major: 4}\n"),
             "expected major 4, got major 3 (1 too low)");
 }

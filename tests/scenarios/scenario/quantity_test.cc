@@ -15,7 +15,8 @@ TEST(Quantity, IsANumberWithItsUnit) {
   EXPECT_EQ(parse_quantity("-1.5mNm")->unit, "mNm");
   EXPECT_EQ(parse_quantity("1e-5 Nm/(rad/s)")->unit, "Nm/(rad/s)");
   EXPECT_EQ(parse_quantity("7")->unit, "");
-  for (const std::string_view bad : {"", "rpm", "010 rpm", "1 2", "1 rpm now", "inf", "nan V", "1.2.3"}) {
+  for (const std::string_view bad :
+       {"", "rpm", "010 rpm", "1 2", "1 rpm now", "inf", "nan V", "1.2.3"}) {
     EXPECT_FALSE(parse_quantity(bad)) << bad;
   }
 }

@@ -45,7 +45,8 @@ TEST(Suite, ShardsPartTheCases) {
       seen.insert(one.scenario->name + std::to_string(one.seed));
     }
   }
-  EXPECT_EQ(seen, (std::multiset<std::string>{"a1", "a2", "a3", "b1", "b2", "b3", "c1", "c2", "c3"}));
+  EXPECT_EQ(seen,
+            (std::multiset<std::string>{"a1", "a2", "a3", "b1", "b2", "b3", "c1", "c2", "c3"}));
 }
 
 TEST(Suite, ResultsAreTheSameWhateverTheNumberOfJobs) {
