@@ -40,7 +40,7 @@ class MdDrive final : public Drive, private SerialReceiver {
     power_on();
   }
 
-  SerialReceiver& receiver() override { return *this; }
+  SerialReceiver& receiver(std::size_t) override { return *this; }
   Axis& axis(std::size_t channel) override { return axes_[channel]; }
   WireCounters wire_counters() const override {
     return board_ ? counted_ + board_->device.counters() : counted_;
@@ -60,7 +60,7 @@ class MdDrive final : public Drive, private SerialReceiver {
         : table(model, profile),
           controller(context.loop, axes, model, stored_settings(model, context.memory),
                      context.seed),
-          device(context.loop, context.port, controller, table, context.memory,
+          device(context.loop, *context.ports[0], controller, table, context.memory,
                  {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency},
                  context.listener, context.notes) {}
     ModelTable table;
@@ -127,7 +127,7 @@ void MdDrive::follow_baud() {
   const std::int32_t code = board_->controller.settings().baud_code;
   if (code == baud_code_) return;
   baud_code_ = code;
-  context_.port.set_baud(md::baud(code));
+  context_.ports[0]->set_baud(md::baud(code));
 }
 
 void MdDrive::apply_surroundings() {
