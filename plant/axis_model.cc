@@ -59,13 +59,13 @@ double AxisModel::hold_floating_phase(const double* x, const Rotation& r, const 
   return 1.5 * along;
 }
 
-PhaseValues AxisModel::phase_currents(const double* x) const {
+PhaseValues AxisModel::phase_currents(const double* x, const Rotation& r) const {
   const Dq i = current(x);
   if (i.d == 0 && i.q == 0) return {};
-  return inverse_clarke(inverse_park(i, frame(x)));
+  return inverse_clarke(inverse_park(i, r));
 }
 
-PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v) const {
+PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v, const Rotation& r) const {
   PhaseValues v{};
   if (connection.conduction == Conduction::kTerminals) return v;  // nobody asks
   if (connection.conduction == Conduction::kSeries) {
@@ -74,10 +74,10 @@ PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v) const {
     // The plane drops the common voltage: the floating terminal is given as 0, put it there.
     const double common = v[static_cast<std::size_t>(connection.floating)];
     for (double& terminal : v) terminal -= common;
-    v[static_cast<std::size_t>(connection.floating)] = electrical(x, bus_v).floating_v;
+    v[static_cast<std::size_t>(connection.floating)] =
+        electrical(x, bus_v, [&] { return r; }).floating_v;
     return v;
   }
-  const Rotation r = frame(x);
   const Dq beyond = winding.sinusoidal() ? Dq{} : winding.emf_beyond_sine(electrical_angle(x), r);
   return inverse_clarke(inverse_park(emf(x, winding.at({x[kD], x[kQ]}), beyond), r));
 }

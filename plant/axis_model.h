@@ -42,7 +42,13 @@ struct AxisModel {
     return winding.effects.commutator ? 0 : electrical_speed(x);
   }
 
-  [[gnu::always_inline]] Electrical electrical(const double* x, double bus_v) const;
+  Electrical electrical(const double* x, double bus_v) const {
+    return electrical(x, bus_v, [&] { return frame(x); });
+  }
+  /// `rotation()` gives the frame where it is needed.
+  template <class Frame>
+  [[gnu::always_inline]] Electrical electrical(const double* x, double bus_v,
+                                               const Frame& rotation) const;
   [[gnu::always_inline]] double torque(const Electrical& e, const double* x) const;
   double torque(const double* x) const;
   /// Dry friction by hysteresis of the iron.
@@ -56,9 +62,13 @@ struct AxisModel {
   /// dx/dt of the axis' states; returns its current out of the link.
   double derivative(const double* x, double bus_v, double* dx) const;
 
-  PhaseValues phase_currents(const double* x) const;
+  PhaseValues phase_currents(const double* x) const { return phase_currents(x, frame(x)); }
+  PhaseValues phase_currents(const double* x, const Rotation& r) const;
   /// Terminal voltages, up to a common one where nothing ties them to a rail.
-  PhaseValues terminal_voltages(const double* x, double bus_v) const;
+  PhaseValues terminal_voltages(const double* x, double bus_v) const {
+    return terminal_voltages(x, bus_v, frame(x));
+  }
+  PhaseValues terminal_voltages(const double* x, double bus_v, const Rotation& r) const;
   Dq current(const double* x) const { return winding.at({x[kD], x[kQ]}).current_a; }
 
   bool watched(const HalfBridges& bridges) const { return bridges.watched() || shaft.watched(); }
@@ -106,7 +116,9 @@ struct AxisModel {
   }
 };
 
-inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v) const {
+template <class Frame>
+inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v,
+                                                   const Frame& rotation) const {
   Electrical e;
   e.point = winding.at({x[kD], x[kQ]});
   if (connection.conduction == Conduction::kOpen) return e;
@@ -114,7 +126,7 @@ inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v
   const double resistance = winding.loop.resistance_ohm;
   Dq flux_rate{-resistance * i.d, -resistance * i.q};
   if (connection.driving || !winding.sinusoidal()) {
-    const Rotation r = frame(x);
+    const Rotation r = rotation();
     if (!winding.sinusoidal()) e.beyond_sine = winding.emf_beyond_sine(electrical_angle(x), r);
     const Dq share = park(connection.share, r);
     const Dq emf_v = emf(x, e.point, e.beyond_sine);

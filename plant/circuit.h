@@ -1,6 +1,7 @@
 // The axes of one DC link, integrated together: the loop between events.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -102,6 +103,10 @@ struct Circuit {
       if (unit->model.watched(unit->bridges)) return true;
     }
     return false;
+  }
+  /// A diode may turn on and off again within a step.
+  bool short_steps() const {
+    return std::ranges::any_of(active, [](const AxisUnit* u) { return u->bridges.watched(); });
   }
   double margin(const double* state) const {
     double least = link.margin(state);

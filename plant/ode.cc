@@ -235,9 +235,11 @@ void ErkIntegrator::Impl::require(int flag, const char* call) const {
 OdeOutcome ErkIntegrator::Impl::advance(const Segment& segment, double* x) {
   segment_ = segment;
   if (!segment.watched) return run(plain_.get(), x);
-  // The margin is looked at where a step ends. So for a segment of a step or two it is enough to
-  // look once afterwards, which saves SUNDIALS' bookkeeping.
-  if (segment.duration_s > 2 * next_step_s_) return run_watched(x);
+  // The margin is looked at where a step ends. So for a segment of a step or two, and no longer
+  // than a step may be, it is enough to look once afterwards, which saves SUNDIALS' bookkeeping.
+  if (segment.duration_s > std::min(2 * next_step_s_, segment.longest_step_s)) {
+    return run_watched(x);
+  }
   double start[kMostStates];
   std::copy_n(x, problem.states, start);
   const OdeOutcome outcome = run(plain_.get(), x);

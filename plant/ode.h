@@ -13,8 +13,10 @@
 //   const double* absolute_tolerance() const;      //   relative[i] * |x[i]| + absolute[i] (rms)
 //   bool watched() const;                          // can any of the present modes end by itself?
 //   double margin(const double* x) const;          // positive while all present modes hold
-//   double step_limit_s(const double* x) const;    // for kFast; kDefault stays below 4 of these
-//   double next_kink_s(const double* x) const;     // for kFast: when the derivative next bends
+//   double step_limit_s(const double* x) const;    // for kFast; kDefault stays below 4 of these,
+//   bool short_steps() const;                      //   or 1 where the margin comes and goes
+//   quickly double next_kink_s(const double* x) const;     // for kFast: when the derivative next
+//   bends
 //
 // Time is local: a system sees no t, its inputs are held during advance(). The margin falling to 0
 // is an event: the caller changes the mode that has ended, so that the margin is positive again,
@@ -86,13 +88,14 @@ class OdeSolver {
                                   : advance_rk4<0>(system, x, duration_s);
     }
     return erk(system.states())
-        .advance({.system = &system,
-                  .duration_s = duration_s,
-                  .watched = system.watched(),
-                  .longest_step_s = kLongestStep * system.step_limit_s(x),
-                  .relative = system.relative_tolerance(),
-                  .absolute = system.absolute_tolerance()},
-                 x);
+        .advance(
+            {.system = &system,
+             .duration_s = duration_s,
+             .watched = system.watched(),
+             .longest_step_s = (system.short_steps() ? 1 : kLongestStep) * system.step_limit_s(x),
+             .relative = system.relative_tolerance(),
+             .absolute = system.absolute_tolerance()},
+            x);
   }
 
   /// How often System::derivative was called.

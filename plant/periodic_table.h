@@ -31,7 +31,10 @@ class PeriodicTable {
     const double place = (periods - std::floor(periods)) * size;
     const int left = std::min(static_cast<int>(place), size - 1);
     const double t = place - left;
-    const auto value = [&](int i) { return values_[static_cast<std::size_t>((i + size) % size)]; };
+    const auto value = [&](int i) {
+      const int within = i < 0 ? i + size : i < size ? i : i - size;
+      return values_[static_cast<std::size_t>(within)];
+    };
     const double a = value(left), b = value(left + 1);
     if (interpolation_ == Interpolation::kLinear) return a + t * (b - a);
     const double slope_a = (b - value(left - 1)) / 2, slope_b = (value(left + 2) - a) / 2;

@@ -25,6 +25,7 @@ struct Plain {
   const double* relative_tolerance() const { return tolerance.data(); }
   const double* absolute_tolerance() const { return tolerance.data(); }
   bool watched() const { return false; }
+  bool short_steps() const { return false; }
   double margin(const double*) const { return 1; }
   double next_kink_s(const double*) const { return std::numeric_limits<double>::infinity(); }
 };
