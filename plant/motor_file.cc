@@ -1,153 +1,66 @@
 #include "plant/motor_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 #include "core/check.h"
 
 namespace virtdrive {
 namespace {
 
-using Type = MotorKey::Type;
+using std::numbers::pi;
+using std::numbers::sqrt2;
+using std::numbers::sqrt3;
 
 constexpr std::string_view kFormatKey = "virtdrive_motor";
-constexpr double kRadpsPerKrpm = 1000 * std::numbers::pi / 30;
+constexpr double kRadpsPerKrpm = 1000 * pi / 30;
 
-const std::vector<MotorKey>& key_table() {
-  static const std::vector<MotorKey> keys = {
-      {.name = kFormatKey,
-       .type = Type::kInteger,
-       .range = {.minimum = kMotorFormat, .maximum = kMotorFormat},
-       .required = true,
-       .doc = "Version of this format"},
-      {.name = "name",
-       .type = Type::kText,
-       .required = true,
-       .doc = "Lower-case letters, digits and hyphens"},
-      {.name = "description", .type = Type::kText, .required = true, .doc = "One line"},
-      {.name = "kind",
-       .type = Type::kWord,
-       .required = true,
-       .words = {"pmsm"},
-       .doc = "`pmsm`: permanent magnets, sinusoidal EMF"},
-      {.name = "source",
-       .type = Type::kText,
-       .required = true,
-       .doc = "Where the numbers come from: data sheet and edition, paper, measurement"},
-      {.name = "assumed", .type = Type::kText, .doc = "What no source gives, and why this value"},
-
-      {.name = "rated_voltage_v",
-       .range = {.minimum = 0.1, .maximum = 2000, .unit = "V"},
-       .required = true,
-       .doc = "DC link"},
-      {.name = "rated_current_a",
-       .range = {.minimum = 1e-3, .maximum = 1e4, .unit = "A"},
-       .required = true,
-       .doc = "Continuous, counted as `rated_current_as` says"},
-      {.name = "rated_current_as",
-       .type = Type::kWord,
-       .words = {"peak", "rms", "dc"},
-       .doc = "`peak` (default) or `rms` of a sinusoidal phase current, or `dc`: the supply's in "
-              "block commutation. Holds for `peak_current_a` too"},
-      {.name = "peak_current_a",
-       .range = {.minimum = 1e-3, .maximum = 1e5, .unit = "A"},
-       .doc = "For a short time; draws the outer torque curve"},
-      {.name = "rated_speed_rpm",
-       .range = {.minimum = 0.1, .maximum = 5e5, .unit = "rpm"},
-       .doc = "At rated torque"},
-      {.name = "rated_torque_nm",
-       .range = {.minimum = 1e-6, .maximum = 1e5, .unit = "Nm"},
-       .doc = "Continuous"},
-      {.name = "rated_power_w",
-       .range = {.minimum = 1e-3, .maximum = 1e7, .unit = "W"},
-       .doc = "At the shaft; within 25 % of torque times speed where both are given"},
-      {.name = "maximum_speed_rpm",
-       .range = {.minimum = 0.1, .maximum = 5e5, .unit = "rpm"},
-       .doc = "What the rotor bears; ends the curves"},
-
-      {.name = "pole_pairs",
-       .type = Type::kInteger,
-       .range = {.minimum = 1, .maximum = 100},
-       .required = true,
-       .doc = "Half the number of poles"},
-      {.name = "phase_resistance_ohm",
-       .range = {.minimum = 0, .maximum = 1e4, .unit = "Ohm"},
-       .group = "resistance",
-       .doc = "One phase of the star, at 20 ... 25 degC"},
-      {.name = "line_resistance_ohm",
-       .range = {.minimum = 0, .maximum = 1e4, .unit = "Ohm"},
-       .group = "resistance",
-       .doc = "Between two terminals: twice the phase's"},
-      {.name = "d_axis_inductance_h",
-       .range = {.minimum = 0, .maximum = 10, .above_minimum = true, .unit = "H"},
-       .group = "inductance",
-       .with = "q_axis_inductance_h",
-       .doc = "Per phase, along the magnets"},
-      {.name = "q_axis_inductance_h",
-       .range = {.minimum = 0, .maximum = 10, .above_minimum = true, .unit = "H"},
-       .with = "d_axis_inductance_h",
-       .doc = "Per phase, across the magnets"},
-      {.name = "phase_inductance_h",
-       .range = {.minimum = 0, .maximum = 10, .above_minimum = true, .unit = "H"},
-       .group = "inductance",
-       .doc = "Per phase, both axes alike (magnets on the surface)"},
-      {.name = "line_inductance_h",
-       .range = {.minimum = 0, .maximum = 10, .above_minimum = true, .unit = "H"},
-       .group = "inductance",
-       .doc = "Between two terminals, both axes alike: twice the phase's"},
-      {.name = "magnet_flux_wb",
-       .range = {.minimum = 0, .maximum = 10, .unit = "Wb"},
-       .group = "magnets",
-       .doc = "Of the magnets, linked with one phase, peak"},
-      {.name = "torque_constant_nm_per_a",
-       .range = {.minimum = 0, .maximum = 1000, .above_minimum = true, .unit = "Nm/A"},
-       .group = "magnets",
-       .doc = "Torque per ampere of the phase current's peak (of Iq)"},
-      {.name = "torque_constant_nm_per_arms",
-       .range = {.minimum = 0, .maximum = 1000, .above_minimum = true, .unit = "Nm/A"},
-       .group = "magnets",
-       .doc = "Torque per ampere of the phase current's rms value"},
-      {.name = "line_emf_vrms_per_krpm",
-       .range = {.minimum = 0, .maximum = 1e5, .above_minimum = true, .unit = "V"},
-       .group = "magnets",
-       .doc = "EMF between two terminals at 1000 rpm, rms"},
-      {.name = "line_emf_vpk_per_krpm",
-       .range = {.minimum = 0, .maximum = 1e5, .above_minimum = true, .unit = "V"},
-       .group = "magnets",
-       .doc = "EMF between two terminals at 1000 rpm, peak"},
-
-      {.name = "rotor_inertia_kgm2",
-       .range = {.minimum = 0, .maximum = 1e4, .above_minimum = true, .unit = "kg m2"},
-       .required = true,
-       .doc = "1 gcm2 = 1e-7 kg m2"},
-      {.name = "viscous_friction_nm_per_radps",
-       .range = {.minimum = 0, .maximum = 1e3, .unit = "Nm s"},
-       .doc = "Grows with speed; 0 if left out"},
-      {.name = "coulomb_friction_nm",
-       .range = {.minimum = 0, .maximum = 1e4, .unit = "Nm"},
-       .doc = "Sliding and breakaway alike, cogging's mean loss included; 0 if left out"},
-  };
-  return keys;
+std::vector<std::string_view> names_of(const std::vector<MotorKey>& keys) {
+  std::vector<std::string_view> names;
+  for (const MotorKey& key : keys) names.push_back(key.name);
+  return names;
 }
 
-// The values of a file behind their keys.
+const MotorKey& find_key(const std::vector<MotorKey>& keys, std::string_view name) {
+  const auto it = std::ranges::find(keys, name, &MotorKey::name);
+  VIRTDRIVE_CHECK(it != keys.end(), "{}", name);
+  return *it;
+}
+
+// The values of a mapping behind their keys.
 class Sheet {
  public:
-  explicit Sheet(const YamlFile& file) : map_(file.root().map(names())) {
-    map_[kFormatKey].integer(key(kFormatKey).range);  // first: another version, other rules
-    for (const MotorKey& each : key_table()) {
-      if (each.required && !map_.has(each.name)) {
-        map_.self().fail(fmt::format("{} is missing: {}", each.name, each.doc));
+  Sheet(const YamlValue& value, const std::vector<MotorKey>& keys)
+      : keys_(&keys), map_(value.map(names_of(keys))) {}
+
+  /// Refuses what does not fit together for this kind of machine.
+  void check(MachineKind kind) const {
+    for (const std::string_view name : map_.keys()) {
+      if ((find_key(*keys_, name).kinds & only(kind)) == 0) {
+        map_.fail_at_key(name, fmt::format("{} does not belong to kind {}", name, kind_name(kind)));
       }
     }
-    check_groups();
+    for (const MotorKey& each : *keys_) {
+      if ((each.kinds & only(kind)) == 0) continue;
+      if (each.required && !has(each.name)) {
+        map_.self().fail(fmt::format("{} is missing: {}", each.name, each.doc));
+      }
+      if (!each.with.empty() && has(each.name) && !has(each.with)) {
+        map_.fail_at_key(each.name, fmt::format("{} needs {} beside it", each.name, each.with));
+      }
+      if (!each.group.empty()) check_group(each.group, &MotorKey::group, kind, true);
+      if (!each.excludes.empty()) check_group(each.excludes, &MotorKey::excludes, kind, false);
+    }
   }
 
   bool has(std::string_view name) const { return map_.has(name); }
+  YamlValue operator[](std::string_view name) const { return map_[name]; }
+  const MotorKey& key(std::string_view name) const { return find_key(*keys_, name); }
+
   double number(std::string_view name) const { return map_[name].number(key(name).range); }
   double number_or(std::string_view name, double otherwise) const {
     return has(name) ? number(name) : otherwise;
@@ -166,44 +79,47 @@ class Sheet {
     }
     return text;
   }
-  YamlValue operator[](std::string_view name) const { return map_[name]; }
+  std::vector<double> numbers(std::string_view name) const {
+    const MotorKey& row = key(name);
+    std::vector<double> values;
+    for (const YamlValue& value : map_[name].list(row.least, row.most)) {
+      values.push_back(value.number(row.range));
+    }
+    return values;
+  }
+  /// Row by row.
+  std::vector<double> table(std::string_view name, std::size_t rows, std::size_t columns) const {
+    std::vector<double> values;
+    for (const YamlValue& row : map_[name].list(rows, rows)) {
+      for (const YamlValue& value : row.list(columns, columns)) {
+        values.push_back(value.number(key(name).range));
+      }
+    }
+    return values;
+  }
+  Sheet sheet(std::string_view name) const { return {map_[name], key(name).keys}; }
 
  private:
-  static std::vector<std::string_view> names() {
-    std::vector<std::string_view> names;
-    for (const MotorKey& each : key_table()) names.push_back(each.name);
-    return names;
-  }
-  static const MotorKey& key(std::string_view name) {
-    const auto it = std::ranges::find(key_table(), name, &MotorKey::name);
-    VIRTDRIVE_CHECK(it != key_table().end(), "{}", name);
-    return *it;
-  }
-
-  void check_groups() const {
-    for (const MotorKey& first : key_table()) {
-      if (!first.with.empty() && has(first.name) && !has(first.with)) {
-        map_.fail_at_key(first.name, fmt::format("{} needs {} beside it", first.name, first.with));
+  void check_group(std::string_view group, std::string_view MotorKey::* member, MachineKind kind,
+                   bool needed) const {
+    std::string choices;
+    std::string_view given;
+    for (const MotorKey& each : *keys_) {
+      if (each.*member != group || (each.kinds & only(kind)) == 0) continue;
+      choices += (choices.empty() ? "" : ", ") + std::string(each.name);
+      if (!has(each.name)) continue;
+      if (!given.empty()) {
+        map_.fail_at_key(each.name, fmt::format("{} and {} say the same; expected one of them",
+                                                each.name, given));
       }
-      if (first.group.empty()) continue;
-      std::string choices;
-      std::string_view given;
-      for (const MotorKey& each : key_table()) {
-        if (each.group != first.group) continue;
-        choices += (choices.empty() ? "" : ", ") + std::string(each.name);
-        if (!has(each.name)) continue;
-        if (!given.empty()) {
-          map_.fail_at_key(each.name, fmt::format("{} and {} say the same; expected one of them",
-                                                  each.name, given));
-        }
-        given = each.name;
-      }
-      if (given.empty()) {
-        map_.self().fail(fmt::format("{} is missing; expected one of {}", first.group, choices));
-      }
+      given = each.name;
+    }
+    if (needed && given.empty()) {
+      map_.self().fail(fmt::format("{} is missing; expected one of {}", group, choices));
     }
   }
 
+  const std::vector<MotorKey>* keys_;
   YamlMap map_;
 };
 
@@ -216,14 +132,17 @@ std::string read_name(const Sheet& sheet) {
   return name;
 }
 
-MotorRating read_rating(const Sheet& sheet) {
+MotorRating read_rating(const Sheet& sheet, MachineKind kind) {
+  const bool three_phases = (kThreePhase & only(kind)) != 0;
   const MotorRating rating{
       .voltage_v = sheet.number("rated_voltage_v"),
       .current_a = sheet.number("rated_current_a"),
-      .counted_as = static_cast<CurrentRating>(sheet.word_or("rated_current_as", 0)),
+      .counted_as = three_phases ? static_cast<CurrentRating>(sheet.word_or("rated_current_as", 0))
+                                 : CurrentRating::kDc,
       .peak_current_a = sheet.number_or("peak_current_a", 0),
       .speed_rpm = sheet.number_or("rated_speed_rpm", 0),
-      .torque_nm = sheet.number_or("rated_torque_nm", 0),
+      .torque_nm = kind == MachineKind::kVoiceCoil ? sheet.number_or("rated_force_n", 0)
+                                                   : sheet.number_or("rated_torque_nm", 0),
       .power_w = sheet.number_or("rated_power_w", 0),
       .maximum_speed_rpm = sheet.number_or("maximum_speed_rpm", 0)};
   if (rating.peak_current_a > 0 && rating.peak_current_a < rating.current_a) {
@@ -235,7 +154,7 @@ MotorRating read_rating(const Sheet& sheet) {
         fmt::format("maximum_speed_rpm is {}, below rated_speed_rpm of {} rpm",
                     rating.maximum_speed_rpm, rating.speed_rpm));
   }
-  const double product_w = rating.torque_nm * rating.speed_rpm * std::numbers::pi / 30;
+  const double product_w = rating.torque_nm * rating.speed_rpm * pi / 30;
   if (rating.power_w > 0 && product_w > 0 && std::abs(rating.power_w / product_w - 1) > 0.25) {
     sheet["rated_power_w"].fail(
         fmt::format("rated_power_w is {}, but rated torque times rated speed is {:.4g} W",
@@ -244,28 +163,101 @@ MotorRating read_rating(const Sheet& sheet) {
   return rating;
 }
 
-double read_flux_wb(const Sheet& sheet, int pole_pairs) {
+double phase_flux_wb(const Sheet& sheet, MachineKind kind, int pole_pairs) {
   if (sheet.has("magnet_flux_wb")) return sheet.number("magnet_flux_wb");
   // Torque = 1.5 p psi iq.
   if (sheet.has("torque_constant_nm_per_a")) {
     return sheet.number("torque_constant_nm_per_a") / (1.5 * pole_pairs);
   }
   if (sheet.has("torque_constant_nm_per_arms")) {
-    return sheet.number("torque_constant_nm_per_arms") / (1.5 * std::numbers::sqrt2 * pole_pairs);
+    return sheet.number("torque_constant_nm_per_arms") / (1.5 * sqrt2 * pole_pairs);
   }
-  // Between two terminals sqrt(3) of the phase's EMF, which is p w psi.
+  // Two flat tops in series.
+  if (sheet.has("torque_constant_nm_per_adc")) {
+    return sheet.number("torque_constant_nm_per_adc") / (2 * pole_pairs);
+  }
+  // A phase has an EMF of p w psi; two in series sqrt(3) of a sine's peak, or twice a flat top.
   const double peak_v = sheet.has("line_emf_vpk_per_krpm")
                             ? sheet.number("line_emf_vpk_per_krpm")
-                            : sheet.number("line_emf_vrms_per_krpm") * std::numbers::sqrt2;
-  return peak_v / (std::numbers::sqrt3 * pole_pairs * kRadpsPerKrpm);
+                            : sheet.number("line_emf_vrms_per_krpm") * sqrt2;
+  const double phases = kind == MachineKind::kBldc ? 2 : sqrt3;
+  return peak_v / (phases * pole_pairs * kRadpsPerKrpm);
 }
 
-PmsmParameters read_pmsm(const Sheet& sheet) {
-  PmsmParameters motor;
-  motor.pole_pairs = sheet.integer("pole_pairs");
-  motor.resistance_ohm = sheet.has("line_resistance_ohm") ? sheet.number("line_resistance_ohm") / 2
-                                                          : sheet.number("phase_resistance_ohm");
-  if (sheet.has("d_axis_inductance_h")) {
+std::shared_ptr<const AnalyticSaturation> read_saturation(const Sheet& sheet) {
+  const Sheet s = sheet.sheet("saturation");
+  s.check(MachineKind::kPmsm);
+  return std::make_shared<AnalyticSaturation>(AnalyticSaturation{.d0 = s.number("d0"),
+                                                                 .dd = s.number("dd"),
+                                                                 .q0 = s.number("q0"),
+                                                                 .qq = s.number("qq"),
+                                                                 .dq = s.number("dq"),
+                                                                 .s = s.integer("s"),
+                                                                 .t = s.integer("t"),
+                                                                 .u = s.integer("u"),
+                                                                 .v = s.integer("v")});
+}
+
+std::vector<double> read_ascending(const Sheet& sheet, std::string_view name) {
+  const std::vector<double> axis = sheet.numbers(name);
+  const std::vector<YamlValue> values = sheet[name].list();
+  for (std::size_t i = 1; i < axis.size(); ++i) {
+    if (axis[i] > axis[i - 1]) continue;
+    values[i].fail(fmt::format("{}: expected ascending values, but {} follows {}", name, axis[i],
+                               axis[i - 1]));
+  }
+  return axis;
+}
+
+std::shared_ptr<const FluxMap> read_flux_map(const Sheet& sheet) {
+  const Sheet s = sheet.sheet("flux_map");
+  s.check(MachineKind::kPmsm);
+  std::vector<double> d = read_ascending(s, "current_d_a"), q = read_ascending(s, "current_q_a");
+  std::vector<double> flux_d = s.table("flux_d_wb", d.size(), q.size());
+  std::vector<double> flux_q = s.table("flux_q_wb", d.size(), q.size());
+  // Each flux along its own current, with the place of the value that does not grow.
+  const auto require_growth = [&](std::string_view name, const std::vector<double>& flux,
+                                  std::size_t row_step, std::size_t column_step) {
+    for (std::size_t i = row_step; i < d.size(); ++i) {
+      for (std::size_t k = column_step; k < q.size(); ++k) {
+        const double before = flux[(i - row_step) * q.size() + k - column_step];
+        const double value = flux[i * q.size() + k];
+        if (value > before) continue;
+        s[name].list()[i].list()[k].fail(fmt::format(
+            "{}: not monotonic, {} follows {} at {} A, {} A", name, value, before, d[i], q[k]));
+      }
+    }
+  };
+  require_growth("flux_d_wb", flux_d, 1, 0);
+  require_growth("flux_q_wb", flux_q, 0, 1);
+  try {
+    return std::make_shared<FluxMap>(std::move(d), std::move(q), std::move(flux_d),
+                                     std::move(flux_q));
+  } catch (const SetupError& error) {
+    sheet["flux_map"].fail(error.what());
+  }
+}
+
+void read_inductances(const Sheet& sheet, PmsmParameters& motor, MachineEffects& effects) {
+  if (sheet.has("saturation")) {
+    effects.saturation = read_saturation(sheet);
+    // Those without current: at the magnets' flux.
+    const AnalyticSaturation& a = *effects.saturation;
+    const double magnets = std::pow(motor.flux_wb, a.s);
+    motor.inductance_d_h = 1 / (a.d0 + (a.s + 1) * a.dd * magnets);
+    motor.inductance_q_h =
+        1 / (a.q0 + (a.v == 0 ? a.dq / (a.u + 2) * std::pow(motor.flux_wb, a.u + 2) : 0));
+  } else if (sheet.has("flux_map")) {
+    effects.flux_map = read_flux_map(sheet);
+    const FluxMap::Point none = effects.flux_map->at({0, 0});
+    motor.inductance_d_h = none.dd;
+    motor.inductance_q_h = none.qq;
+    if (std::abs(none.flux_wb.d - motor.flux_wb) > 0.02 * motor.flux_wb + 1e-9) {
+      sheet["flux_map"].fail(fmt::format(
+          "flux_map has {:.4g} Wb on the d axis without current, but the magnets give {:.4g} Wb",
+          none.flux_wb.d, motor.flux_wb));
+    }
+  } else if (sheet.has("d_axis_inductance_h")) {
     motor.inductance_d_h = sheet.number("d_axis_inductance_h");
     motor.inductance_q_h = sheet.number("q_axis_inductance_h");
   } else {
@@ -273,36 +265,125 @@ PmsmParameters read_pmsm(const Sheet& sheet) {
                                                           : sheet.number("phase_inductance_h");
     motor.inductance_q_h = motor.inductance_d_h;
   }
-  motor.flux_wb = read_flux_wb(sheet, motor.pole_pairs);
-  motor.rated_current_a = sheet.number("rated_current_a");
-  return motor;
+}
+
+EmfShape read_emf(const Sheet& sheet, MachineKind kind) {
+  if (sheet.has("emf_shape")) {
+    std::vector<double> samples = sheet.numbers("emf_shape");
+    if (samples.size() % 3 != 0) {
+      sheet["emf_shape"].fail(
+          fmt::format("emf_shape: {} samples; expected a multiple of 3", samples.size()));
+    }
+    return {PeriodicTable(std::move(samples), Interpolation::kCubic)};
+  }
+  if (sheet.has("emf_harmonics")) {
+    const MotorKey& key = sheet.key("emf_harmonics");
+    std::vector<EmfShape::Harmonic> harmonics;
+    for (const YamlValue& row : sheet["emf_harmonics"].list(1, 50)) {
+      const std::vector<YamlValue> pair = row.list(2, 2);
+      harmonics.push_back(
+          {.order = static_cast<int>(pair[0].integer({.minimum = 1, .maximum = 100})),
+           .amplitude = pair[1].number(key.range)});
+    }
+    return EmfShape::harmonics(harmonics);
+  }
+  if (kind != MachineKind::kBldc) return {};
+  return EmfShape::trapezoid(sheet.number_or("emf_flat_deg", 120) * pi / 180);
+}
+
+void read_windings(const Sheet& sheet, Motor& motor) {
+  const double rated_a = sheet.number("rated_current_a");
+  if (motor.kind == MachineKind::kBrushedDc || motor.kind == MachineKind::kVoiceCoil) {
+    const double constant = sheet.has("force_constant_n_per_a")
+                                ? sheet.number("force_constant_n_per_a")
+                            : sheet.has("torque_constant_nm_per_adc")
+                                ? sheet.number("torque_constant_nm_per_adc")
+                                : sheet.number("line_emf_vpk_per_krpm") / kRadpsPerKrpm;
+    motor.electrical = brushed_dc(sheet.number("line_resistance_ohm"),
+                                  sheet.number("line_inductance_h"), constant, rated_a);
+    motor.effects.commutator = true;
+    return;
+  }
+  PmsmParameters& e = motor.electrical;
+  e.pole_pairs = sheet.integer("pole_pairs");
+  e.resistance_ohm = sheet.has("line_resistance_ohm") ? sheet.number("line_resistance_ohm") / 2
+                                                      : sheet.number("phase_resistance_ohm");
+  e.flux_wb = phase_flux_wb(sheet, motor.kind, e.pole_pairs);
+  e.rated_current_a = rated_a;
+  read_inductances(sheet, e, motor.effects);
+  motor.effects.emf = read_emf(sheet, motor.kind);
+  // A reluctance machine needs no magnets, but then its axes must differ.
+  if (e.flux_wb == 0 && e.inductance_d_h == e.inductance_q_h) {
+    sheet["magnet_flux_wb"].fail(
+        "magnet_flux_wb is 0 and both axes have the same inductance: such a machine has no torque");
+  }
+}
+
+PeriodicTable read_cogging(const Sheet& sheet) {
+  if (sheet.has("cogging_nm")) return {sheet.numbers("cogging_nm"), Interpolation::kCubic};
+  if (!sheet.has("cogging_peak_nm")) return {};
+  constexpr int kSamplesPerPeriod = 24;
+  const int periods = sheet.integer("cogging_periods_per_turn");
+  const double peak_nm = sheet.number("cogging_peak_nm");
+  std::vector<double> samples(static_cast<std::size_t>(kSamplesPerPeriod * periods));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i] = peak_nm * std::sin(2 * pi * static_cast<double>(i) / kSamplesPerPeriod);
+  }
+  return {std::move(samples), Interpolation::kCubic};
+}
+
+ThermalParameters read_thermal(const Sheet& sheet) {
+  ThermalParameters t;
+  t.winding_housing_k_per_w = sheet.number_or("winding_housing_k_per_w", 0);
+  t.housing_ambient_k_per_w = sheet.number_or("housing_ambient_k_per_w", 0);
+  t.winding_j_per_k = sheet.number_or("winding_heat_capacity_j_per_k", 0);
+  t.housing_j_per_k = sheet.number_or("housing_heat_capacity_j_per_k", 0);
+  t.ambient_degc = sheet.number_or("ambient_degc", t.ambient_degc);
+  t.reference_degc = sheet.number_or("reference_degc", t.reference_degc);
+  t.resistance_per_k = sheet.number_or("resistance_per_k", t.resistance_per_k);
+  t.flux_per_k = sheet.number_or("magnet_flux_per_k", t.flux_per_k);
+  return t;
+}
+
+MechanicsParameters read_mechanics(const Sheet& sheet, MachineKind kind) {
+  if (kind == MachineKind::kVoiceCoil) {
+    return {.inertia_kgm2 = sheet.number("moving_mass_kg"),
+            .viscous_nm_per_radps = sheet.number_or("viscous_friction_n_per_mps", 0),
+            .coulomb_nm = sheet.number_or("coulomb_friction_n", 0)};
+  }
+  const MechanicsParameters mechanics{
+      .inertia_kgm2 = sheet.number("rotor_inertia_kgm2"),
+      .viscous_nm_per_radps = sheet.number_or("viscous_friction_nm_per_radps", 0),
+      .coulomb_nm = sheet.number_or("coulomb_friction_nm", 0),
+      .stiction_nm = sheet.number_or("breakaway_friction_nm", 0),
+      .stribeck_radps = sheet.number_or("stribeck_speed_radps", 0)};
+  if (sheet.has("breakaway_friction_nm") && mechanics.stiction_nm < mechanics.coulomb_nm) {
+    sheet["breakaway_friction_nm"].fail(
+        fmt::format("breakaway_friction_nm is {}, below coulomb_friction_nm of {} Nm",
+                    mechanics.stiction_nm, mechanics.coulomb_nm));
+  }
+  return mechanics;
 }
 
 }  // namespace
 
-std::span<const MotorKey> motor_keys() {
-  return key_table();
-}
-
 Motor parse_motor(const YamlFile& file) {
-  const Sheet sheet(file);
-  sheet.word_or("kind", 0);
-  Motor motor{
-      .name = read_name(sheet),
-      .description = sheet.text_or("description", ""),
-      .rating = read_rating(sheet),
-      .electrical = read_pmsm(sheet),
-      .mechanics = {.inertia_kgm2 = sheet.number("rotor_inertia_kgm2"),
-                    .viscous_nm_per_radps = sheet.number_or("viscous_friction_nm_per_radps", 0),
-                    .coulomb_nm = sheet.number_or("coulomb_friction_nm", 0)},
-      .source = sheet.text_or("source", ""),
-      .assumed = sheet.text_or("assumed", "")};
-  // A reluctance machine needs no magnets, but then its axes must differ.
-  if (motor.electrical.flux_wb == 0 &&
-      motor.electrical.inductance_d_h == motor.electrical.inductance_q_h) {
-    sheet["magnet_flux_wb"].fail(
-        "magnet_flux_wb is 0 and both axes have the same inductance: such a machine has no torque");
-  }
+  const Sheet sheet(file.root(), motor_keys());
+  sheet.integer(kFormatKey);  // first: another version, other rules
+  Motor motor;
+  motor.kind = static_cast<MachineKind>(sheet["kind"].word(sheet.key("kind").words));
+  sheet.check(motor.kind);
+  motor.name = read_name(sheet);
+  motor.description = sheet.text_or("description", "");
+  motor.source = sheet.text_or("source", "");
+  motor.assumed = sheet.text_or("assumed", "");
+  motor.rating = read_rating(sheet, motor.kind);
+  read_windings(sheet, motor);
+  motor.effects.cogging_nm = read_cogging(sheet);
+  motor.effects.iron_eddy_w_per_v2 = sheet.number_or("iron_eddy_w_per_v2", 0);
+  motor.effects.iron_hysteresis_w = sheet.number_or("iron_hysteresis_ws_per_wb2", 0);
+  motor.effects.thermal = read_thermal(sheet);
+  motor.mechanics = read_mechanics(sheet, motor.kind);
   return motor;
 }
 

@@ -50,6 +50,11 @@ Motor find_motor(std::string_view name_or_path) {
                    "e.g. ./my_motor.yaml");
 }
 
+std::string_view kind_name(MachineKind kind) {
+  constexpr std::string_view kNames[] = {"pmsm", "bldc", "brushed_dc", "voice_coil"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
 double phase_peak_a(double current_a, CurrentRating counted_as) {
   switch (counted_as) {
     case CurrentRating::kPeak:

@@ -11,10 +11,20 @@
 #include <string_view>
 #include <vector>
 
+#include "plant/machine.h"
 #include "plant/mechanics.h"
 #include "plant/pmsm.h"
 
 namespace virtdrive {
+
+enum class MachineKind {
+  kPmsm,       // three phases, the EMF a sine unless told otherwise
+  kBldc,       // three phases, the EMF a trapezoid unless told otherwise
+  kBrushedDc,  // two terminals
+  kVoiceCoil,  // two terminals, moves along a line: 1 rad stands for 1 m, 1 Nm for 1 N
+};
+/// As files call it: "pmsm", "bldc", "brushed_dc", "voice_coil".
+std::string_view kind_name(MachineKind kind);
 
 /// How a data sheet counts a current.
 enum class CurrentRating {
@@ -30,7 +40,7 @@ struct MotorRating {
   CurrentRating counted_as = CurrentRating::kPeak;  // both currents
   double peak_current_a = 0;                        // for a short time
   double speed_rpm = 0;
-  double torque_nm = 0;
+  double torque_nm = 0;          // of a voice coil: its force in N
   double power_w = 0;            // at the shaft
   double maximum_speed_rpm = 0;  // what the rotor bears
 };
@@ -38,8 +48,10 @@ struct MotorRating {
 struct Motor {
   std::string name;         // lower case
   std::string description;  // one line
+  MachineKind kind = MachineKind::kPmsm;
   MotorRating rating;
   PmsmParameters electrical;  // holds the rated current too
+  MachineEffects effects;     // beyond the linear machine with a sinusoidal EMF
   MechanicsParameters mechanics;
   std::string source;
   std::string assumed;  // what no source gives; "" if nothing is

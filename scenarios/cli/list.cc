@@ -30,14 +30,15 @@ int list_drives(bool names_only) {
 }
 
 int list_motors() {
-  constexpr std::string_view kRow = "{:<15} {:<5} {:>6} {:>6} {:>6} {:>6}  {}\n";
+  constexpr std::string_view kRow = "{:<15} {:<10} {:>6} {:>6} {:>6} {:>6}  {}\n";
   constexpr std::size_t kSourceWidth = 72;
   const auto or_none = [](double value) { return value > 0 ? fmt::format("{:.4g}", value) : "-"; };
   fmt::print(kRow, "name", "kind", "V", "A", "W", "rpm", "what and source");
   for (const Motor& motor : motor_library()) {
     const MotorRating& rated = motor.rating;
-    fmt::print(kRow, motor.name, "pmsm", or_none(rated.voltage_v), or_none(rated.current_a),
-               or_none(rated_power_w(rated)), or_none(rated.speed_rpm), motor.description);
+    fmt::print(kRow, motor.name, kind_name(motor.kind), or_none(rated.voltage_v),
+               or_none(rated.current_a), or_none(rated_power_w(rated)), or_none(rated.speed_rpm),
+               motor.description);
     const bool cut = motor.source.size() > kSourceWidth;
     fmt::print(kRow, "", "", "", "", "", "",
                motor.source.substr(0, kSourceWidth) + (cut ? " ..." : ""));

@@ -72,8 +72,10 @@ class MdDrive final : public Drive, private SerialReceiver {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
       axes.emplace_back(
-          AxisParameters{
-              .motor = motor.electrical, .link = link_of(model), .mechanics = motor.mechanics},
+          AxisParameters{.motor = motor.electrical,
+                         .link = link_of(model),
+                         .mechanics = motor.mechanics,
+                         .effects = motor.effects},
           context.integrator);
     }
     return axes;

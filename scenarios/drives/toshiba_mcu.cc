@@ -78,9 +78,11 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
   static std::vector<Axis> make_axes(const DriveContext& context) {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
-      axes.emplace_back(
-          AxisParameters{.motor = motor.electrical, .link = kSupply, .mechanics = motor.mechanics},
-          context.integrator);
+      axes.emplace_back(AxisParameters{.motor = motor.electrical,
+                                       .link = kSupply,
+                                       .mechanics = motor.mechanics,
+                                       .effects = motor.effects},
+                        context.integrator);
     }
     return axes;
   }

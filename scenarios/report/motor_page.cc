@@ -94,6 +94,9 @@ void put(std::string& svg, fmt::format_string<Args...> format, Args&&... args) {
 struct Axis {
   double maximum;
   double step;
+  // Of an axis of speeds: rpm, or m/s of what moves along a line.
+  double per_radps = kRpmPerRadps;
+  std::string_view unit = "rpm";
 };
 
 // From 0 up to a round number; of a motor that can do nothing, up to 1.
@@ -108,6 +111,7 @@ struct Frame {
   Axis x, y;
 
   double px(double value) const { return left + width * value / x.maximum; }
+  double px_of_speed(double radps) const { return px(radps * x.per_radps); }
   double py(double value) const { return top + height * (1 - value / y.maximum); }
 };
 
@@ -126,8 +130,8 @@ void put_axes(std::string& svg, const Frame& f, std::string_view y_unit) {
         v == 0 ? "axis" : "grid", f.px(v), f.top, f.height, f.px(v), f.top + f.height + 17,
         tick_label(v, f.x.step));
   }
-  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">rpm</text>\n", f.left + f.width,
-      f.top + f.height + 32);
+  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", f.left + f.width,
+      f.top + f.height + 32, f.x.unit);
   put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", f.left - 8, f.top - 8,
       y_unit);
 }
@@ -161,7 +165,7 @@ double torque_of(const OperatingPoint& point) {
 std::string path_of(const Frame& f, const Curve& curve, const Value& value) {
   std::string path;
   for (const OperatingPoint& point : curve) {
-    put(path, "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', f.px(point.speed_radps * kRpmPerRadps),
+    put(path, "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', f.px_of_speed(point.speed_radps),
         f.py(value(point)));
   }
   return path;
@@ -170,7 +174,7 @@ std::string path_of(const Frame& f, const Curve& curve, const Value& value) {
 std::string area_of(const Frame& f, const Curve& curve) {
   if (curve.empty()) return {};
   return path_of(f, curve, torque_of) + fmt::format("L{:.1f} {:.1f}L{:.1f} {:.1f}Z",
-                                                    f.px(curve.back().speed_radps * kRpmPerRadps),
+                                                    f.px_of_speed(curve.back().speed_radps),
                                                     f.py(0), f.px(0), f.py(0));
 }
 
@@ -181,7 +185,7 @@ double greatest(const Curve& curve, const Value& value) {
 }
 
 // The most torque from standstill to where none is left, or the end of the plot.
-Curve envelope(const Motor& motor, const DriveLimits& limits, double last_radps) {
+Curve envelope(const SteadyMotor& motor, const DriveLimits& limits, double last_radps) {
   Curve curve;
   for (int i = 0; i <= kSpeeds; ++i) {
     const auto point = most_torque(motor, limits, last_radps * i / kSpeeds);
@@ -195,7 +199,8 @@ class Page {
  public:
   explicit Page(const Motor& motor)
       : motor_(motor),
-        constants_(motor_constants(motor)),
+        steady_(motor),
+        constants_(motor_constants(steady_)),
         has_peak_(motor.rating.peak_current_a > motor.rating.current_a),
         rated_limits_(limits_of(motor)),
         outer_limits_(limits_of(motor, true)) {
@@ -207,11 +212,11 @@ class Page {
     if (motor.rating.maximum_speed_rpm > 0) {
       last_radps = std::min(last_radps, motor.rating.maximum_speed_rpm / kRpmPerRadps);
     }
-    outer_ = envelope(motor, outer_limits_, last_radps);
+    outer_ = envelope(steady_, outer_limits_, last_radps);
     if (outer_.size() > 1) last_radps = outer_.back().speed_radps;
-    outer_ = envelope(motor, outer_limits_, last_radps);
-    rated_ = envelope(motor, rated_limits_, last_radps);
-    speed_axis_ = axis_up_to(last_radps * kRpmPerRadps, 12);
+    outer_ = envelope(steady_, outer_limits_, last_radps);
+    rated_ = envelope(steady_, rated_limits_, last_radps);
+    speed_axis_ = speed_axis(last_radps, 12);
   }
 
   std::string svg() {
@@ -230,8 +235,22 @@ class Page {
   }
 
  private:
+  Axis speed_axis(double last_radps, int ticks) const {
+    const bool coil = motor_.kind == MachineKind::kVoiceCoil;
+    const double per_radps = coil ? 1 : kRpmPerRadps;
+    Axis axis = axis_up_to(last_radps * per_radps, ticks);
+    axis.per_radps = per_radps;
+    axis.unit = coil ? "m/s" : "rpm";
+    return axis;
+  }
+  std::string_view torque_unit() const {
+    return motor_.kind == MachineKind::kVoiceCoil ? "N" : "Nm";
+  }
+
   void put_facts(std::string& svg) {
-    put(svg, "<text class=\"title\" x=\"{}\" y=\"40\">{}</text>\n", kMargin,
+    constexpr std::size_t kLongTitle = 70;
+    put(svg, "<text class=\"{}\" x=\"{}\" y=\"40\">{}</text>\n",
+        motor_.description.size() > kLongTitle ? "head" : "title", kMargin,
         escape_xml(motor_.description));
     std::string source = motor_.source;
     constexpr std::size_t kMost = 130;
@@ -239,28 +258,35 @@ class Page {
     put(svg, "<text x=\"{}\" y=\"62\">{}: {}</text>\n", kMargin, escape_xml(motor_.name),
         escape_xml(source));
     const MotorRating& r = motor_.rating;
-    const PmsmParameters& e = motor_.electrical;
+    const PmsmParameters& e = steady_.machine();
     constexpr std::string_view kCounted[] = {"peak", "rms", "DC"};
     const auto shown = [](double value, std::string_view unit) {
       return std::isfinite(value) ? fmt::format("{:.4g} {}", value, unit) : std::string("none");
     };
-    const std::array<std::pair<std::string, std::string>, 12> facts = {{
-        {"Rated voltage", fmt::format("{:.4g} V", r.voltage_v)},
+    const bool coil = motor_.kind == MachineKind::kVoiceCoil;
+    const bool phases = !steady_.two_terminals();
+    const std::string_view newton = torque_unit();
+    std::vector<std::pair<std::string, std::string>> facts = {
+        {"Rated voltage", shown(r.voltage_v, "V")},
         {"Rated current",
          fmt::format("{:.4g} A {}", r.current_a, kCounted[static_cast<std::size_t>(r.counted_as)])},
-        {"Torque at rated current", fmt::format("{:.4g} Nm", constants_.rated_torque_nm)},
-        {"No-load speed", shown(constants_.no_load_radps * kRpmPerRadps, "rpm")},
-        {"Torque constant", fmt::format("{:.4g} Nm/A peak", constants_.torque_constant_nm_per_a)},
-        {"Phase resistance", fmt::format("{:.4g} Ohm", e.resistance_ohm)},
-        {"Inductance d, q",
-         fmt::format("{:.4g}, {:.4g} mH", e.inductance_d_h * 1e3, e.inductance_q_h * 1e3)},
-        {"Pole pairs", fmt::format("{}", e.pole_pairs)},
-        {"Rotor inertia", fmt::format("{:.4g} kg m2", motor_.mechanics.inertia_kgm2)},
+        {coil ? "Force at rated current" : "Torque at rated current",
+         shown(constants_.rated_torque_nm, newton)},
+        {"No-load speed", coil ? shown(constants_.no_load_radps, "m/s")
+                               : shown(constants_.no_load_radps * kRpmPerRadps, "rpm")},
+        {coil ? "Force constant" : "Torque constant",
+         fmt::format("{:.4g} {}/A{}", constants_.torque_constant_nm_per_a, newton,
+                     phases ? " peak" : "")},
+        {phases ? "Phase resistance" : "Resistance", shown(steady_.resistance_ohm(), "Ohm")},
+        {phases ? "Inductance d, q" : "Inductance",
+         phases ? fmt::format("{:.4g}, {:.4g} mH", e.inductance_d_h * 1e3, e.inductance_q_h * 1e3)
+                : shown(e.inductance_q_h * 1e3, "mH")},
+        {coil ? "Moving mass" : "Rotor inertia",
+         shown(motor_.mechanics.inertia_kgm2, coil ? "kg" : "kg m2")},
         {"Electrical time constant", shown(constants_.electrical_time_constant_s * 1e3, "ms")},
         {"Mechanical time constant", shown(constants_.mechanical_time_constant_s * 1e3, "ms")},
-        {"Characteristic current",
-         fmt::format("{:.4g} A peak", constants_.characteristic_current_a)},
-    }};
+        {"Stall current", shown(constants_.stall_current_a, phases ? "A peak" : "A")}};
+    if (phases) facts.emplace_back("Pole pairs", fmt::format("{}", e.pole_pairs));
     constexpr int kColumns = 4;
     for (std::size_t i = 0; i < facts.size(); ++i) {
       const double x =
@@ -275,7 +301,8 @@ class Page {
   }
 
   std::string at_current(const DriveLimits& limits) const {
-    return fmt::format("{:.4g} A peak of a phase", limits.current_a);
+    return fmt::format("{:.4g} A{}", limits.current_a,
+                       steady_.two_terminals() ? "" : " peak of a phase");
   }
 
   void put_rated_point(std::string& svg, const Frame& f) const {
@@ -297,24 +324,25 @@ class Page {
   void put_torque(std::string& svg) {
     const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft,
                   kTorqueHeight,   speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
-    put_heading(svg, f, "Torque over speed");
+    put_heading(svg, f,
+                motor_.kind == MachineKind::kVoiceCoil ? "Force over speed" : "Torque over speed");
     std::vector<Key> keys = {{"blue", "rated current: " + at_current(rated_limits_)}};
     if (has_peak_) keys.push_back({"orange", "for a short time: " + at_current(outer_limits_)});
     put_keys(svg, f, keys);
-    put_axes(svg, f, "Nm");
+    put_axes(svg, f, torque_unit());
     if (has_peak_) {
       put(svg, "<path class=\"fill-orange\" d=\"{}\"/>\n", area_of(f, outer_));
       put(svg, "<path class=\"line orange\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
     }
     put(svg, "<path class=\"fill-blue\" d=\"{}\"/>\n", area_of(f, rated_));
     put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(f, rated_, torque_of));
-    const double no_load_rpm = constants_.no_load_radps * kRpmPerRadps;
-    if (no_load_rpm <= f.x.maximum) {
-      const bool right = f.px(no_load_rpm) < f.left + f.width * 0.8;
+    const double no_load_x = f.px_of_speed(constants_.no_load_radps);
+    if (no_load_x <= f.left + f.width && !steady_.two_terminals()) {
+      const bool right = no_load_x < f.left + f.width * 0.8;
       put(svg,
           "<path class=\"mark\" d=\"M{:.1f} {:.1f}v{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
           "text-anchor=\"{}\">no load, id = 0</text>\n",
-          f.px(no_load_rpm), f.top, f.height, f.px(no_load_rpm) + (right ? 6 : -6), f.top + 14,
+          no_load_x, f.top, f.height, no_load_x + (right ? 6 : -6), f.top + 14,
           right ? "start" : "end");
     }
     put_rated_point(svg, f);
@@ -327,7 +355,7 @@ class Page {
     const bool kilowatts = most_w >= 2000;
     const double per_unit = kilowatts ? 1e-3 : 1;
     const auto shown_power = [&](const OperatingPoint& p) { return power(p) * per_unit; };
-    const Axis speed = axis_up_to(speed_axis_.maximum, 6);
+    const Axis speed = speed_axis(speed_axis_.maximum / speed_axis_.per_radps, 6);
     const double width = kHalf - kLeft - 8;
     const Frame left{kMargin + kLeft, y_,    width,
                      kSmallHeight,    speed, axis_up_to(most_w * per_unit * 1.02, 6)};
@@ -347,7 +375,9 @@ class Page {
     const Frame right{kMargin + kHalf + kLeft + 8, y_, width, kSmallHeight, speed,
                       axis_up_to(most_a * 1.05, 6)};
     put_heading(svg, right, "Current at the rated limit");
-    put_keys(svg, right, {{"blue", "phase, peak"}, {"green dashed", "DC link"}});
+    put_keys(
+        svg, right,
+        {{"blue", steady_.two_terminals() ? "motor" : "phase, peak"}, {"green dashed", "DC link"}});
     put_axes(svg, right, "A");
     put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(right, rated_, phase));
     put(svg, "<path class=\"line green dashed\" d=\"{}\"/>\n", path_of(right, rated_, link));
@@ -359,7 +389,7 @@ class Page {
     const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft - kScale,
                   kMapHeight,      speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
     put_heading(svg, f, "Efficiency: shaft power over electrical power, copper and friction");
-    put_axes(svg, f, "Nm");
+    put_axes(svg, f, torque_unit());
     put(svg, "<clipPath id=\"reach\"><path d=\"{}\"/></clipPath>\n<g clip-path=\"url(#reach)\">\n",
         area_of(f, outer_));
     const OperatingPoint best = put_cells(svg, f);
@@ -370,9 +400,9 @@ class Page {
     put(svg, "<path class=\"rim\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
     put_rated_point(svg, f);
     put_scale(svg, f, band_of(best.efficiency()));
-    put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\">best {:.1f} % at {:.3g} Nm, {:.0f} rpm{}{}</text>\n",
-        f.left, f.top + f.height + 34, best.efficiency() * 100, best.torque_nm,
-        best.speed_radps * kRpmPerRadps, has_peak_ ? "; dashed: rated current" : "",
+    put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\">best {:.1f} % at {:.3g} {}, {:.4g} {}{}{}</text>\n",
+        f.left, f.top + f.height + 34, best.efficiency() * 100, best.torque_nm, torque_unit(),
+        best.speed_radps * f.x.per_radps, f.x.unit, has_peak_ ? "; dashed: rated current" : "",
         friction_free() ? "; the set has no friction" : "");
     y_ += kMapHeight + 40;
   }
@@ -406,12 +436,12 @@ class Page {
     const double last_radps = outer_.empty() ? 0 : outer_.back().speed_radps;
     nodes.efficiency.resize(static_cast<std::size_t>(nodes.columns * nodes.rows));
     for (int column = 0; column < nodes.columns; ++column) {
-      const double speed_radps = column * kNodeX / f.width * f.x.maximum / kRpmPerRadps;
-      const auto rim = most_torque(motor_, outer_limits_, speed_radps);
+      const double speed_radps = column * kNodeX / f.width * f.x.maximum / f.x.per_radps;
+      const auto rim = most_torque(steady_, outer_limits_, speed_radps);
       const double rim_efficiency = rim ? rim->efficiency() : 0;
       for (int row = 0; row < nodes.rows; ++row) {
         const double torque_nm = row * kNodeY / f.height * f.y.maximum;
-        const auto point = least_current(motor_, outer_limits_, torque_nm, speed_radps);
+        const auto point = least_current(steady_, outer_limits_, torque_nm, speed_radps);
         if (point && speed_radps <= last_radps && point->efficiency() > nodes.best.efficiency())
           nodes.best = *point;
         nodes.efficiency[static_cast<std::size_t>(row * nodes.columns + column)] =
@@ -460,6 +490,7 @@ class Page {
   }
 
   const Motor& motor_;
+  SteadyMotor steady_;
   MotorConstants constants_;
   bool has_peak_;
   DriveLimits rated_limits_, outer_limits_;

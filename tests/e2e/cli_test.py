@@ -349,7 +349,7 @@ class Lifetime(CliTest):
 class Information(CliTest):
     def test_help_is_everywhere(self):
         for words in ("", "run", "demo", "list", "list drives", "list motors", "list signals",
-                      "list parameters", "document"):
+                      "list parameters", "document", "motor"):
             with self.subTest(words):
                 result = self.run_program(*words.split(), "--help")
                 self.assertEqual((result.returncode, result.stderr), (DONE, ""))
@@ -359,6 +359,30 @@ class Information(CliTest):
         result = self.run_program("--version")
         self.assertEqual(result.returncode, DONE)
         self.assertRegex(result.stdout, r"\A\d+\.\d+\.\d+\n\Z")
+
+    def test_a_motor_is_shown_checked_and_drawn(self):
+        self.assertIn("5.667 mWb", self.run_program("motor", "db42s03").stdout)
+        shown = json.loads(self.run_program("motor", "ec60-flat-24v", "--json").stdout)
+        self.assertEqual(shown["kind"], "bldc")
+        result = self.run_program("motor", "servo-400w", "--plot", "servo.svg")
+        self.assertEqual((result.returncode, result.stdout), (DONE, ""), result.stderr)
+        self.assertTrue((self.folder / "servo.svg").read_text().startswith("<svg "))
+        schema = json.loads(self.run_program("motor", "--schema").stdout)
+        self.assertIn("pole_pairs", schema["properties"])
+
+    def test_a_motor_of_ones_own_runs_like_one_of_the_library(self):
+        library = pathlib.Path(__file__).parents[2] / "data" / "motors"
+        mine = self.folder / "mine.yaml"
+        mine.write_text((library / "dr38312.yaml").read_text().replace("1.35", "1.5"))
+        self.assertEqual(self.run_program("motor", str(mine), "--check").returncode, DONE)
+        self.assertEqual(self.run_program(*run("--motor", str(mine))).returncode, DONE)
+        mine.write_text(mine.read_text() + "pole_pairs: 7\n")
+        lines = mine.read_text().count("\n")
+        for arguments in (["motor", str(mine), "--check"], run("--motor", str(mine))):
+            self.assert_unusable(arguments, f"{mine}:{lines}:1: key 'pole_pairs' is given twice")
+        self.assert_unusable(["motor"], "expected a name")
+        self.assert_unusable(["motor", "md10"], "motor 'md10'", "did you mean md100")
+        self.assert_unusable(["motor", "md100", "--plot", UNWRITABLE], "--plot")
 
     def test_the_lists_name_what_run_takes(self):
         drives = self.run_program("list", "drives", "--names").stdout.split()

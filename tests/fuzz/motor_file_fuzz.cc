@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "core/check.h"
-#include "plant/motor_curves.h"
 #include "plant/motor_data.h"
 #include "plant/motor_file.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -18,7 +17,9 @@ void read(std::string_view text) {
     const Motor motor = parse_motor(YamlFile("fuzz.yaml", text));
     validate(motor.electrical);
     validate(motor.mechanics);
-    motor_constants(motor);
+    validate(motor.effects);
+    const Winding winding(motor.electrical, motor.effects);
+    VIRTDRIVE_CHECK(winding.least_inductance_h() > 0, "{}", winding.least_inductance_h());
   } catch (const SetupError& error) {
     const std::string_view message = error.what();
     VIRTDRIVE_CHECK(message.starts_with("fuzz.yaml:"), "{}", message);

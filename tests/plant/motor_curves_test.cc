@@ -77,15 +77,18 @@ TEST(MotorCurves, FieldWeakeningOfASurfaceMagnetMachineInClosedForm) {
 }
 
 TEST(MotorCurves, PointsKeepTheirLimitsAndTheirPowerBalance) {
-  for (const char* name : {"db42s03", "gem-pmsm", "ipmsm-2kw", "gt2215", "md200t", "ecma-c20807"}) {
+  for (const char* name : {"db42s03", "gem-pmsm", "ipmsm-2kw", "gt2215", "md200t", "ecma-c20807",
+                           "syrm-7kw", "re40-24v", "voice-coil-20n"}) {
     const Motor motor = find_motor(name);
+    const SteadyMotor steady(motor);
     const DriveLimits limits = limits_of(motor);
-    const double no_load = motor_constants(motor).no_load_radps;
+    const MotorConstants k = motor_constants(steady);
+    const double no_load = std::isfinite(k.no_load_radps) ? k.no_load_radps : 2 * k.base_radps;
     for (double share = 0; share < 1.4; share += 0.05) {
       const double speed = share * no_load;
-      const auto most = most_torque(motor, limits, speed);
+      const auto most = most_torque(steady, limits, speed);
       if (!most || most->torque_nm <= 0) continue;
-      const auto point = least_current(motor, limits, 0.7 * most->torque_nm, speed);
+      const auto point = least_current(steady, limits, 0.7 * most->torque_nm, speed);
       ASSERT_TRUE(point) << name << " " << speed;
       EXPECT_LE(point->current_peak_a(), most->current_peak_a() * (1 + 1e-6));
       for (const OperatingPoint& p : {*most, *point}) {
@@ -93,7 +96,7 @@ TEST(MotorCurves, PointsKeepTheirLimitsAndTheirPowerBalance) {
         EXPECT_LE(length(p.voltage_v), limits.voltage_v * (1 + 1e-6));
         const MechanicsParameters& m = motor.mechanics;
         const double copper_w =
-            1.5 * motor.electrical.resistance_ohm * p.current_peak_a() * p.current_peak_a();
+            steady.phases() * steady.resistance_ohm() * p.current_peak_a() * p.current_peak_a();
         const double friction_w = (m.viscous_nm_per_radps * speed + m.coulomb_nm) * speed;
         EXPECT_NEAR(p.input_w, p.output_w + copper_w + friction_w, 1e-9 * p.input_w);
       }
@@ -108,6 +111,56 @@ TEST(MotorCurves, WhatIsOutOfReachHasNoPoint) {
   EXPECT_TRUE(least_current(motor, limits, 0.9999 * most_nm, 100));
   EXPECT_FALSE(least_current(motor, limits, 1.0001 * most_nm, 100));
   EXPECT_FALSE(most_torque(motor, limits, 1e5));
+}
+
+// Data sheet of the maxon RE 40, 148867: 7580 rpm and 137 mA without load, 80.2 A and 2420 mNm at
+// stall, 6940 rpm at 177 mNm and 6.00 A, 91 % at best.
+TEST(MotorCurves, ABrushedMotorKeepsItsDataSheet) {
+  const Motor motor = find_motor("re40-24v");
+  const MotorConstants k = motor_constants(motor);
+  EXPECT_NEAR(k.no_load_radps / kRpm, 7580, 10);
+  EXPECT_NEAR(k.stall_current_a, 80.2, 0.1);
+  EXPECT_NEAR(k.stall_current_a * k.torque_constant_nm_per_a, 2.42, 0.01);
+  EXPECT_NEAR(k.mechanical_time_constant_s, 4.67e-3, 0.1e-3);
+  const auto point = least_current(motor, limits_of(motor), 0.177, 6000 * kRpm);
+  ASSERT_TRUE(point);
+  EXPECT_NEAR(point->current_a.q, 6.0, 0.05);
+  const auto most = most_torque(motor, {.voltage_v = 24, .current_a = 100}, 6940 * kRpm);
+  EXPECT_NEAR(most->torque_nm, 0.177, 0.03);
+}
+
+// A flat machine with a 120-degree trapezoid: the fundamental is 12 / pi^2 of the flat top.
+TEST(MotorCurves, OfATrapezoidTheFundamentalCounts) {
+  const Motor motor = find_motor("ec60-flat-24v");
+  const MotorConstants k = motor_constants(motor);
+  EXPECT_NEAR(k.torque_constant_nm_per_a,
+              1.5 * (12 / std::numbers::pi / std::numbers::pi) * 53.4e-3 / 2, 1e-7);
+}
+
+// V5 at a fixed current: the curves see the saturated machine.
+TEST(MotorCurves, ASaturatedMachineGivesTheTorqueOfItsFluxes) {
+  const Motor motor = find_motor("syrm-7kw");
+  const SteadyMotor steady(motor);
+  EXPECT_NEAR(steady.air_gap_nm({15.92812, 16.45667}), 19.90656, 5e-3);
+  EXPECT_NEAR(steady.flux_wb({8.71181, 5.44467}).d, 0.4, 1e-4);
+  const DriveLimits limits = limits_of(motor);
+  const auto most = most_torque(steady, limits, 0);
+  ASSERT_TRUE(most);
+  EXPECT_GT(most->torque_nm, steady.air_gap_nm({15.5, 15.5}));
+  const auto point = least_current(steady, limits, 0.5 * most->torque_nm, 200);
+  ASSERT_TRUE(point);
+  EXPECT_NEAR(point->torque_nm, 0.5 * most->torque_nm, 1e-6);
+  EXPECT_LE(length(point->voltage_v), limits.voltage_v);
+}
+
+TEST(MotorCurves, AVoiceCoilCountsInNewtonsAndMetres) {
+  const Motor motor = find_motor("voice-coil-20n");
+  const MotorConstants k = motor_constants(motor);
+  EXPECT_NEAR(k.torque_constant_nm_per_a, 10, 1e-12);
+  EXPECT_NEAR(k.stall_current_a, 4.8, 1e-12);
+  EXPECT_NEAR(k.rated_torque_nm, 19.8, 1e-9);
+  // 24 V = 5 Ohm (0.2 + 0.5 v) / 10 + 10 v.
+  EXPECT_NEAR(k.no_load_radps, 23.9 / 10.25, 1e-9);
 }
 
 // The averaged plant holds the motor at the point that the curves tell.

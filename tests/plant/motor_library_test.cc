@@ -15,7 +15,8 @@ TEST(MotorLibrary, EveryMotorIsCompleteAndNamesItsSource) {
     SCOPED_TRACE(motor.name);
     EXPECT_NO_THROW(validate(motor.electrical));
     EXPECT_NO_THROW(validate(motor.mechanics));
-    EXPECT_GT(motor.electrical.flux_wb, 0);
+    EXPECT_NO_THROW(validate(motor.effects));
+    EXPECT_TRUE(motor.electrical.flux_wb > 0 || motor.effects.saturation);
     EXPECT_GT(motor.rating.voltage_v, 0);
     EXPECT_FALSE(motor.description.empty());
     EXPECT_FALSE(motor.source.empty());
@@ -27,8 +28,9 @@ TEST(MotorLibrary, EveryMotorIsCompleteAndNamesItsSource) {
 TEST(MotorLibrary, HoldsWhatBenchesAskFor) {
   EXPECT_GE(motor_library().size(), 15U);
   EXPECT_EQ(motor_names().size(), motor_library().size());
-  for (const char* name : {"db42s03", "md100", "md200t", "servo-400w", "ecma-c20807", "gt2215",
-                           "ec45-flat-24v", "ipmsm-2kw", "smpm-msl", "gem-pmsm"}) {
+  for (const char* name :
+       {"db42s03", "md100", "md200t", "servo-400w", "ecma-c20807", "gt2215", "ec45-flat-24v",
+        "ipmsm-2kw", "smpm-msl", "gem-pmsm", "syrm-7kw", "re40-24v", "voice-coil-20n"}) {
     EXPECT_EQ(find_motor(name).name, name);
   }
   EXPECT_EQ(find_motor("md200t").electrical.pole_pairs, 10);

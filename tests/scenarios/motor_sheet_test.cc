@@ -31,6 +31,7 @@ TEST(MotorSheet, JsonHoldsSiValuesUnderTheFilesKeys) {
   EXPECT_EQ(json["parameters"]["pole_pairs"], 10);
   EXPECT_EQ(json["parameters"]["phase_resistance_ohm"], 0.3);
   EXPECT_EQ(json["rating"]["rated_current_as"], "dc");
+  EXPECT_EQ(json["kind"], "pmsm");
   // 10 A of block current: 11.0266 A peak; 0.455946 Nm/A; friction 0.15 Nm.
   EXPECT_NEAR(json["derived"]["rated_torque_nm"].get<double>(), 4.87754, 1e-4);
 }
@@ -59,7 +60,9 @@ TEST(MotorSheet, TheSchemaSaysWhatTheReaderAsksFor) {
   EXPECT_EQ(schema["additionalProperties"], false);
   EXPECT_EQ(schema["properties"].size(), motor_keys().size());
   EXPECT_EQ(schema["properties"]["rotor_inertia_kgm2"]["exclusiveMinimum"], 0);
-  EXPECT_EQ(schema["allOf"].size(), 3U);
+  EXPECT_EQ(schema["allOf"].size(), 4U) << "a set of rules for each kind";
+  EXPECT_EQ(schema["allOf"][0]["then"]["allOf"].size(), 3U) << "resistance, inductance, magnets";
+  EXPECT_EQ(schema["allOf"][3]["then"]["properties"]["pole_pairs"], false);
   EXPECT_EQ(schema["dependentRequired"]["d_axis_inductance_h"][0], "q_axis_inductance_h");
 }
 

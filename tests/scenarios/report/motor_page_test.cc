@@ -26,6 +26,16 @@ TEST(MotorPage, HoldsAllPlotsAndNeedsNothingElse) {
   EXPECT_EQ(svg, motor_svg(find_motor("ecma-c20807"))) << "equal motors give equal pages";
 }
 
+TEST(MotorPage, EveryKindHasAPageInItsUnits) {
+  const std::string coil = motor_svg(find_motor("voice-coil-20n"));
+  for (const char* part : {"Force over speed", ">m/s<", ">N<", "Moving mass", "10 N/A"}) {
+    EXPECT_NE(coil.find(part), std::string::npos) << part;
+  }
+  EXPECT_NE(motor_svg(find_motor("re40-24v")).find("7576 rpm"), std::string::npos);
+  EXPECT_NE(motor_svg(find_motor("md100")).find("Torque over speed"), std::string::npos);
+  EXPECT_NE(motor_svg(find_motor("syrm-7kw")).find("Torque over speed"), std::string::npos);
+}
+
 TEST(MotorPage, AMotorWithoutPeakCurrentHasOneTorqueCurve) {
   EXPECT_EQ(count(motor_svg(find_motor("db42s03")), "line orange"), 0U);
   EXPECT_GT(count(motor_svg(find_motor("servo-400w")), "line orange"), 0U);
