@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <utility>
+#include <variant>
 
 #include "devices/protocol/binding.h"
 
@@ -16,7 +17,9 @@ constexpr SimDuration kLenientSilence = 100ms;
 constexpr std::int64_t kCrcError = 1;
 constexpr std::int64_t kInvalidParameter = 1;
 
-constexpr auto kHandlers = std::to_array<protocol::Binding<Device::Handler>>({
+using Target = std::variant<Device::Handler, Device::MotorHandler>;
+
+constexpr auto kHandlers = std::to_array<protocol::Binding<Target>>({
     {0x00, &Device::start_motor},
     {0x01, &Device::stop_motor},
     {0x02, &Device::motor_state},
@@ -149,10 +152,8 @@ void Device::answer() {
 
 void Device::answer_request() {
   const Telegram& request = decoder_.telegram();
-  const Handler* handler = protocol::find(kHandlers, request.row->code);
   Values reply;
-  const Outcome outcome =
-      handler == nullptr ? Outcome::kRefused : (this->**handler)(request.values, reply);
+  const Outcome outcome = handle(request, reply);
   if (outcome != Outcome::kDone) {
     send(encode_reply(kErrorReply, {error_code(outcome)}),
          outcome == Outcome::kRefused ? "Error refused" : "Error not ready");
@@ -163,6 +164,17 @@ void Device::answer_request() {
   send(encode_reply(*request.row, reply),
        listener_ ? fmt::format("{} {}", request.row->name, describe(request.row->reply, reply))
                  : std::string());
+}
+
+Outcome Device::handle(const Telegram& request, Values& reply) {
+  const Target* target = protocol::find(kHandlers, request.row->code);
+  if (target == nullptr) return Outcome::kRefused;
+  if (const Handler* handler = std::get_if<Handler>(target)) {
+    return (this->**handler)(request.values, reply);
+  }
+  PowerBoard* const board = this->board(request.values[0]);
+  if (board == nullptr) return Outcome::kRefused;
+  return (this->*std::get<MotorHandler>(*target))(*board, request.values, reply);
 }
 
 void Device::send(const std::vector<std::uint8_t>& bytes, std::string_view text) {
@@ -211,56 +223,45 @@ PowerBoard* Device::board(std::int64_t motor_nr) {
   return channel < firmware_.channels() ? &firmware_.board(channel) : nullptr;
 }
 
-Outcome Device::start_motor(const Values& request, Values&) {
-  PowerBoard* board = this->board(request[0]);
-  return board == nullptr ? Outcome::kRefused : board->start();
+Outcome Device::start_motor(PowerBoard& board, const Values&, Values&) {
+  return board.start();
 }
 
-Outcome Device::stop_motor(const Values& request, Values&) {
-  PowerBoard* board = this->board(request[0]);
-  return board == nullptr ? Outcome::kRefused : board->stop();
+Outcome Device::stop_motor(PowerBoard& board, const Values&, Values&) {
+  return board.stop();
 }
 
-Outcome Device::motor_state(const Values& request, Values& reply) {
-  const PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  const MotorChannel& channel = board->channel();
+Outcome Device::motor_state(PowerBoard& board, const Values&, Values& reply) {
+  const MotorChannel& channel = board.channel();
   reply = {channel.actual_rpm(), channel.target_rpm(), channel.current_ma(), channel.torque(),
            firmware_.tick()};
   return Outcome::kDone;
 }
 
-Outcome Device::control_method(const Values& request, Values& reply) {
-  const PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  reply.push(static_cast<std::int64_t>(board->channel().method()));
+Outcome Device::control_method(PowerBoard& board, const Values&, Values& reply) {
+  reply.push(static_cast<std::int64_t>(board.channel().method()));
   return Outcome::kDone;
 }
 
-Outcome Device::extended_state(const Values& request, Values& reply) {
-  const PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  const MotorChannel& channel = board->channel();
+Outcome Device::extended_state(PowerBoard& board, const Values& request, Values& reply) {
+  const MotorChannel& channel = board.channel();
   if (channel.method() != Method::kTorque) {
-    motor_state(request, reply);
+    motor_state(board, request, reply);
   } else {
     reply = {channel.torque(), channel.target_torque(), channel.current_ma(),
              std::abs(channel.actual_rpm()), firmware_.tick()};
   }
-  return control_method(request, reply);
+  return control_method(board, request, reply);
 }
 
-Outcome Device::start_torque_control(const Values& request, Values&) {
-  PowerBoard* board = this->board(request[0]);
-  return board == nullptr ? Outcome::kRefused : board->start_torque_control();
+Outcome Device::start_torque_control(PowerBoard& board, const Values&, Values&) {
+  return board.start_torque_control();
 }
 
-Outcome Device::set_control_method(const Values& request, Values& reply) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
+Outcome Device::set_control_method(PowerBoard& board, const Values& request, Values& reply) {
   const auto method = static_cast<Method>(request[1]);
   const bool valid = method == Method::kSpeed || method == Method::kTorque;
-  if (valid) board->set_method(method);
+  if (valid) board.set_method(method);
   reply.push(valid ? 0 : kInvalidParameter);
   return Outcome::kDone;
 }
@@ -277,8 +278,7 @@ Outcome Device::clear_parameters(const Values&, Values&) {
 
 // --- Oscilloscopes -------------------------------------------------------------------------------
 
-Outcome Device::configure_snapshot(const Values& request, Values& reply) {
-  if (board(request[0]) == nullptr) return Outcome::kRefused;
+Outcome Device::configure_snapshot(PowerBoard&, const Values& request, Values& reply) {
   reply.push(firmware_.snapshot_scope().arm({.motor = static_cast<std::size_t>(request[0]),
                                              .selected = static_cast<std::uint32_t>(request[1]),
                                              .trigger_on = static_cast<std::uint32_t>(request[2]),
@@ -297,8 +297,7 @@ Outcome Device::snapshot_data(const Values&, Values& reply) {
   return outcome;
 }
 
-Outcome Device::configure_stream(const Values& request, Values&) {
-  if (board(request[0]) == nullptr) return Outcome::kRefused;
+Outcome Device::configure_stream(PowerBoard&, const Values& request, Values&) {
   StreamScope& scope = firmware_.stream_scope();
   if (request[1] == 0) {
     scope.disable();
@@ -311,40 +310,30 @@ Outcome Device::configure_stream(const Values& request, Values&) {
 
 // --- Motion --------------------------------------------------------------------------------------
 
-Outcome Device::do_turn(const Values& request, Values&) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  return board->do_turn(static_cast<std::int32_t>(request[1]),
-                        static_cast<std::int32_t>(request[2]));
+Outcome Device::do_turn(PowerBoard& board, const Values& request, Values&) {
+  return board.do_turn(static_cast<std::int32_t>(request[1]),
+                       static_cast<std::int32_t>(request[2]));
 }
 
-Outcome Device::do_linear_motion(const Values& request, Values& reply) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  const bool taken = board->do_linear_motion(static_cast<std::uint32_t>(request[1]),
-                                             static_cast<std::int32_t>(request[2]));
+Outcome Device::do_linear_motion(PowerBoard& board, const Values& request, Values& reply) {
+  const bool taken = board.do_linear_motion(static_cast<std::uint32_t>(request[1]),
+                                            static_cast<std::int32_t>(request[2]));
   reply.push(taken ? 0 : kInvalidParameter);
   return Outcome::kDone;
 }
 
-Outcome Device::absolute_position(const Values& request, Values& reply) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  reply.push(board->absolute_position());
+Outcome Device::absolute_position(PowerBoard& board, const Values&, Values& reply) {
+  reply.push(board.absolute_position());
   return Outcome::kDone;
 }
 
-Outcome Device::abort_linear_motion(const Values& request, Values&) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  board->abort_linear_motion();
+Outcome Device::abort_linear_motion(PowerBoard& board, const Values&, Values&) {
+  board.abort_linear_motion();
   return Outcome::kDone;
 }
 
-Outcome Device::encoder_counter(const Values& request, Values& reply) {
-  PowerBoard* board = this->board(request[0]);
-  if (board == nullptr) return Outcome::kRefused;
-  reply.push(board->encoder_count());
+Outcome Device::encoder_counter(PowerBoard& board, const Values&, Values& reply) {
+  reply.push(board.encoder_count());
   return Outcome::kDone;
 }
 

@@ -47,31 +47,45 @@ class Device final : public SerialReceiver {
   /// What the second line carried; null without one.
   const HighSpeedStream* stream() const { return stream_ ? &*stream_ : nullptr; }
 
-  /// A handler reads the request's values and appends the reply's.
+  /// A handler reads the request's values and appends the reply's. Those of a motor get its board:
+  /// a request for a motor that is not there is refused before.
   using Handler = Outcome (Device::*)(const protocol::Values& request, protocol::Values& reply);
+  using MotorHandler = Outcome (Device::*)(PowerBoard& board, const protocol::Values& request,
+                                           protocol::Values& reply);
 
-  Outcome start_motor(const protocol::Values& request, protocol::Values& reply);
-  Outcome stop_motor(const protocol::Values& request, protocol::Values& reply);
-  Outcome motor_state(const protocol::Values& request, protocol::Values& reply);
+  Outcome start_motor(PowerBoard& board, const protocol::Values& request, protocol::Values& reply);
+  Outcome stop_motor(PowerBoard& board, const protocol::Values& request, protocol::Values& reply);
+  Outcome motor_state(PowerBoard& board, const protocol::Values& request, protocol::Values& reply);
+  Outcome start_torque_control(PowerBoard& board, const protocol::Values& request,
+                               protocol::Values& reply);
+  Outcome set_control_method(PowerBoard& board, const protocol::Values& request,
+                             protocol::Values& reply);
+  Outcome control_method(PowerBoard& board, const protocol::Values& request,
+                         protocol::Values& reply);
+  Outcome extended_state(PowerBoard& board, const protocol::Values& request,
+                         protocol::Values& reply);
+  Outcome configure_snapshot(PowerBoard& board, const protocol::Values& request,
+                             protocol::Values& reply);
+  Outcome configure_stream(PowerBoard& board, const protocol::Values& request,
+                           protocol::Values& reply);
+  Outcome do_turn(PowerBoard& board, const protocol::Values& request, protocol::Values& reply);
+  Outcome do_linear_motion(PowerBoard& board, const protocol::Values& request,
+                           protocol::Values& reply);
+  Outcome absolute_position(PowerBoard& board, const protocol::Values& request,
+                            protocol::Values& reply);
+  Outcome abort_linear_motion(PowerBoard& board, const protocol::Values& request,
+                              protocol::Values& reply);
+  Outcome encoder_counter(PowerBoard& board, const protocol::Values& request,
+                          protocol::Values& reply);
+
   Outcome store_parameters(const protocol::Values& request, protocol::Values& reply);
   Outcome clear_parameters(const protocol::Values& request, protocol::Values& reply);
-  Outcome start_torque_control(const protocol::Values& request, protocol::Values& reply);
-  Outcome set_control_method(const protocol::Values& request, protocol::Values& reply);
   Outcome get_one(const protocol::Values& request, protocol::Values& reply);
   Outcome set_one(const protocol::Values& request, protocol::Values& reply);
   Outcome get_many(const protocol::Values& request, protocol::Values& reply);
   Outcome set_many(const protocol::Values& request, protocol::Values& reply);
-  Outcome control_method(const protocol::Values& request, protocol::Values& reply);
   Outcome version(const protocol::Values& request, protocol::Values& reply);
-  Outcome extended_state(const protocol::Values& request, protocol::Values& reply);
-  Outcome configure_snapshot(const protocol::Values& request, protocol::Values& reply);
   Outcome snapshot_data(const protocol::Values& request, protocol::Values& reply);
-  Outcome configure_stream(const protocol::Values& request, protocol::Values& reply);
-  Outcome do_turn(const protocol::Values& request, protocol::Values& reply);
-  Outcome do_linear_motion(const protocol::Values& request, protocol::Values& reply);
-  Outcome absolute_position(const protocol::Values& request, protocol::Values& reply);
-  Outcome abort_linear_motion(const protocol::Values& request, protocol::Values& reply);
-  Outcome encoder_counter(const protocol::Values& request, protocol::Values& reply);
   Outcome set_demo_state(const protocol::Values& request, protocol::Values& reply);
   Outcome demo_state(const protocol::Values& request, protocol::Values& reply);
 
@@ -83,6 +97,7 @@ class Device final : public SerialReceiver {
   void keep_or_lose(std::uint8_t byte);
   void answer();
   void answer_request();
+  Outcome handle(const Telegram& request, protocol::Values& reply);
   void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
   void listen_again();
   Outcome write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value);

@@ -1,5 +1,6 @@
 #include "firmware_models/toshiba_mcu/power_board.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <utility>
 
@@ -13,6 +14,13 @@ constexpr SimDuration kSlowTask = 100ms;
 constexpr int kSlowTasksPerSecond = 10;
 
 constexpr Adc kAdc{.bits = 12, .reference_v = 5.0};
+
+// Vishay NTCLE100E3103JB0, which the maker's boards carry: 10 kOhm, B25/85 3977 K. The resistor
+// that it divides with is assumed.
+constexpr NtcSensor kThermistor{
+    .adc = kAdc, .r25_ohm = 10e3, .beta_k = 3977, .fixed_ohm = 10e3, .supply_v = 5.0};
+constexpr double kColdestDegc = -40;  // range of MMS_Temperature (5.1.65)
+constexpr double kHottestDegc = 150;
 
 SimTime next_multiple(SimTime now, SimDuration period) {
   return SimTime{(now.time_since_epoch() / period + 1) * period};
@@ -28,6 +36,7 @@ PowerBoard::PowerBoard(EventLoop& loop, Axis& axis, const Seed& seed, std::strin
       after_interrupt_(std::move(after_interrupt)),
       channel_(kFactorySettings),
       bus_sensor_{.adc = kAdc, .volts_per_volt = hardware.bus_v_per_v},
+      thermistor_(kThermistor),
       noise_(seed.stream(fmt::format("{}.adc", name))),
       pwm_(loop.add(Phase::kControl, [this] { pwm_interrupt(); })),
       tick_(loop.add(Phase::kControl, [this] { millisecond(); })),
@@ -123,9 +132,20 @@ double PowerBoard::bus_v() {
   return read_inputs().bus_counts * channel_.scaling().bus_v_per_count;
 }
 
+double PowerBoard::temperature_degc() {
+  double degc = inputs_.temperature_degc;
+  if (axis_.parameters().effects.thermal.winding_housing_k_per_w > 0) {
+    axis_.advance_to(loop_.now());
+    degc = std::max(degc, axis_.winding_degc());
+  }
+  thermistor_.fault = inputs_.thermistor;
+  const double measured = thermistor_.temperature_degc(thermistor_.counts(degc));
+  return std::clamp(measured, kColdestDegc, kHottestDegc);
+}
+
 Reading PowerBoard::read_inputs() {
   axis_.advance_to(loop_.now());
-  const PhaseValues currents = axis_.phase_currents_a();
+  const PhaseValues currents = axis_.leg_currents_a();
   const double bus_v = axis_.state().bus_v;
   Reading reading;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -178,7 +198,7 @@ void PowerBoard::slow_tasks() {
                  .reverse = inputs_.speed_reverse});
   if (++polls_ == kSlowTasksPerSecond) {
     polls_ = 0;
-    channel_.temperature_check(inputs_.temperature_degc);
+    channel_.temperature_check(temperature_degc());
   }
   follow();
   slow_.at(loop_.now() + kSlowTask);

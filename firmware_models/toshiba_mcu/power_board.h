@@ -34,8 +34,9 @@ inline constexpr BoardHardware kLowVoltageBoard{};
 
 /// What a bench may do to a board; stays as it is over the MCU's resets.
 struct BoardInputs {
-  double temperature_degc = 25;  // at the board's sensor
-  bool emergency = false;        // the driver block's pin is pulled
+  double temperature_degc = 25;  // of the board, where its thermistor is
+  NtcSensor::Fault thermistor = NtcSensor::Fault::kNone;
+  bool emergency = false;  // the driver block's pin is pulled
   // The signals of ExternalSpeedControl.
   double speed_v = 0;          // 0..5 V at the analogue input
   double speed_pwm = 0;        // high share of the PWM signal, 0..1
@@ -72,9 +73,10 @@ class PowerBoard {
   std::uint32_t absolute_position();
   std::int32_t turn_number();
 
-  /// As the firmware measures them now: DC link in V, temperature in degC.
+  /// As the firmware measures them now: DC link in V, temperature in degC. The thermistor is the
+  /// board's; where the motor's winding has a thermal model it has one too, and the hotter counts.
   double bus_v();
-  double temperature_degc() const { return inputs_.temperature_degc; }
+  double temperature_degc();
 
   const BoardInputs& inputs() const { return inputs_; }
   /// The emergency pin acts at once: gates off while a motor runs.
@@ -97,6 +99,7 @@ class PowerBoard {
   MotorChannel channel_;
   std::array<CurrentSensor, 3> current_sensors_;
   VoltageSensor bus_sensor_;
+  NtcSensor thermistor_;
   RandomStream noise_;
   BoardInputs inputs_;
   int polls_ = 0;  // since the last whole second

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <utility>
 
 #include "tests/firmware_models/toshiba_mcu/rig.h"
 
@@ -610,6 +611,120 @@ TEST(ToshibaMcuProtection, ARotorLockedFromTheStartIsAStall) {
   rig.run_to(Stage::kFoc, 2s);
   EXPECT_LE(rig.run_to(Stage::kStop, 2s), 1s);
   EXPECT_EQ(rig.channel().errors(), bit(Fault::kStall));
+}
+
+TEST(ToshibaMcuProtection, ADisconnectedMotorIsFoundInForce) {
+  Rig rig;
+  rig.open_phases({true, true, true});
+  rig.board().set_speed_rpm(1000);
+  rig.board().start();
+  rig.run_to(Stage::kForce, 1s);
+  // From 1000/32768 of HzMax on, 1000 PWM periods of 80 us; then Emergency.
+  EXPECT_NEAR(seconds(rig.run_to(Stage::kEmergency, 2s)), 12.8 / 47.7 + 0.08, 0.01);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kNoMotor));
+  EXPECT_EQ(rig.speed_rpm(), 0);
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady);
+  rig.board().stop();
+  rig.open_phases({});
+  rig.run_up(1000, 3s);
+  EXPECT_NEAR(rig.speed_rpm(), 1000, 10);
+}
+
+// Runs up and loads the shaft gently.
+void load_up(Rig& rig, std::int32_t rpm, int brake_mnm) {
+  rig.change(&ChannelSettings::restart_mode, {0});
+  Load load;
+  load.inertia_kgm2 = 1e-5;
+  rig.axis_of().set_load(load);
+  rig.run_up(rpm, 4s);
+  for (int mnm = 1; mnm <= brake_mnm; ++mnm) {
+    rig.set_brake(mnm * 1e-3);
+    rig.run_for(30ms);
+  }
+  rig.run_for(500ms);
+  ASSERT_EQ(rig.channel().stage(), Stage::kFoc);
+}
+
+TEST(ToshibaMcuProtection, APhaseLostUnderLoadEndsInAStallOrAnOvercurrent) {
+  for (const auto& [rpm, brake_mnm] : {std::pair{500, 10}, {500, 20}, {1000, 30}, {2000, 50}}) {
+    Rig rig;
+    load_up(rig, rpm, brake_mnm);
+    rig.open_phases({false, true, false});
+    rig.run_for(2s);
+    EXPECT_EQ(rig.channel().output().mode, Bridge::kOff) << rpm << " rpm " << brake_mnm << " mNm";
+    const std::uint32_t errors = rig.channel().errors();
+    EXPECT_TRUE(errors == bit(Fault::kStall) || errors == bit(Fault::kSoftwareOverCurrent));
+  }
+}
+
+// The disconnection check looks in Force only; inertia carries the shaft over the gaps of a torque
+// that pulsates with twice the electrical frequency.
+TEST(ToshibaMcuProtection, APhaseLostAtSpeedWithALightLoadIsNotNoticed) {
+  Rig rig;
+  load_up(rig, 2000, 10);
+  rig.open_phases({false, true, false});
+  rig.run_for(2s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kFoc);
+  EXPECT_EQ(rig.channel().errors(), 0U);
+  EXPECT_NEAR(rig.speed_rpm(), 2000, 40);
+  EXPECT_EQ(rig.axis_of().phase_currents_a()[1], 0);
+}
+
+TEST(ToshibaMcuProtection, AStartWithALostPhaseEndsInAnOvercurrent) {
+  Rig rig;
+  rig.open_phases({true, false, false});
+  rig.board().set_speed_rpm(2000);
+  rig.board().start();
+  EXPECT_LE(rig.run_to(Stage::kEmergency), 2s);
+  EXPECT_EQ(rig.channel().errors(), bit(Fault::kSoftwareOverCurrent));
+}
+
+TEST(ToshibaMcuProtection, AnOverheatedWindingStopsTheMotorUntilItHasCooledBelowTheLimit) {
+  // A small motor's winding: 60 s of time constant made 6 s so that the test is short.
+  MachineEffects effects;
+  effects.thermal = {.winding_housing_k_per_w = 20,
+                     .housing_ambient_k_per_w = 5,
+                     .winding_j_per_k = 0.3,
+                     .housing_j_per_k = 20};
+  Rig rig(1, {.source_v = 24, .resistance_ohm = 0.1, .capacitance_f = 1e-3}, effects);
+  rig.change(&ChannelSettings::over_temperature, {50});
+  Load load;
+  load.inertia_kgm2 = 2e-5;
+  load.quadratic_nm_per_radps2 = 1.1e-6;
+  rig.axis_of().set_load(load);
+  rig.run_up(2000, 5s);
+  ASSERT_EQ(rig.channel().stage(), Stage::kFoc);
+  ASSERT_TRUE(rig.loop.run_until(rig.loop.now() + 120s,
+                                 [&] { return rig.channel().stage() == Stage::kStop; }));
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kOverTemperature));
+  EXPECT_GT(rig.axis_of().winding_degc(), 50);
+  EXPECT_EQ(rig.board().start(), Outcome::kNotReady);
+  ASSERT_TRUE(
+      rig.loop.run_until(rig.loop.now() + 120s, [&] { return rig.channel().errors() == 0; }));
+  rig.speed_rpm();
+  EXPECT_LT(rig.axis_of().winding_degc(), 45.5);
+  EXPECT_GT(rig.axis_of().winding_degc(), 35);
+  EXPECT_EQ(rig.board().start(), Outcome::kDone);
+}
+
+TEST(ToshibaMcuProtection, AShortedThermistorIsTakenForHeatAndABrokenOneForFrost) {
+  Rig rig;
+  EXPECT_NEAR(rig.board().temperature_degc(), 25, 0.3);
+  rig.set_input(&BoardInputs::thermistor, NtcSensor::Fault::kOpen);
+  EXPECT_EQ(rig.board().temperature_degc(), -40);
+  rig.set_input(&BoardInputs::thermistor, NtcSensor::Fault::kShorted);
+  EXPECT_EQ(rig.board().temperature_degc(), 150);
+  rig.run_up(1000, 7s);
+  EXPECT_EQ(rig.channel().stage(), Stage::kStop);
+  EXPECT_TRUE(has(rig.channel().errors(), Fault::kOverTemperature));
+}
+
+TEST(ToshibaMcuProtection, TheThermistorTellsWholeDegreesOverItsRange) {
+  Rig rig;
+  for (int degc = -40; degc <= 150; ++degc) {
+    rig.board().set_temperature_degc(degc);
+    EXPECT_EQ(std::lround(rig.board().temperature_degc()), degc);
+  }
 }
 
 // --- Board settings ------------------------------------------------------------------------------

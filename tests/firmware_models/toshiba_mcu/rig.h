@@ -11,8 +11,10 @@ namespace virtdrive::toshiba_mcu {
 
 class Rig {
  public:
-  explicit Rig(std::uint64_t seed = 1, const DcLinkParameters& supply = kSupply)
-      : axes_{axis(supply), axis(supply), axis(supply)}, firmware(loop, pointers_, Seed{seed}) {}
+  explicit Rig(std::uint64_t seed = 1, const DcLinkParameters& supply = kSupply,
+               const MachineEffects& effects = {})
+      : axes_{axis(supply, effects), axis(supply, effects), axis(supply, effects)},
+        firmware(loop, pointers_, Seed{seed}) {}
 
   PowerBoard& board(std::size_t channel = 1) { return firmware.board(channel); }
   const MotorChannel& channel(std::size_t number = 1) { return board(number).channel(); }
@@ -47,6 +49,10 @@ class Rig {
     inputs.*input = value;
     board().set_inputs(inputs);
   }
+  void open_phases(std::array<bool, 3> open) {
+    axes_[1].advance_to(loop.now());
+    axes_[1].set_bridge_faults({.phase_open = open});
+  }
   /// Starts channel 1 and runs until it has the speed.
   void run_up(std::int32_t rpm, SimDuration time = std::chrono::milliseconds(3500)) {
     board().set_speed_rpm(rpm);
@@ -60,9 +66,12 @@ class Rig {
   static constexpr DcLinkParameters kSupply{
       .source_v = 24, .resistance_ohm = 0.1, .capacitance_f = 1e-3};
 
-  static Axis axis(const DcLinkParameters& supply) {
+  static Axis axis(const DcLinkParameters& supply, const MachineEffects& effects) {
     const Motor& motor = find_motor("db42s03");
-    return Axis({.motor = motor.electrical, .link = supply, .mechanics = motor.mechanics},
+    return Axis({.motor = motor.electrical,
+                 .link = supply,
+                 .mechanics = motor.mechanics,
+                 .effects = effects},
                 Integrator::kFast);
   }
 
