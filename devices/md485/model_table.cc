@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 
 #include "core/check.h"
 #include "core/names.h"
@@ -49,6 +50,9 @@ ModelTable::ModelTable(const md::Model& model, Profile profile)
     : model_(model),
       profile_(profile),
       type_text_(std::string(model.title) + "-V4.4"),
+      title_(fmt::format("{}, {} {}~{} V, {} A{}, RS-485 V4.4", model.title,
+                         model.ac ? "AC" : "DC", model.lowest_v, model.highest_v, model.current_a,
+                         model.motors > 1 ? " x 2" : "")),
       parameters_(std::begin(kParameters), std::end(kParameters)),
       commands_(std::begin(kCommands), std::end(kCommands)),
       numbers_(std::begin(kCommandNumbers), std::end(kCommandNumbers)) {
@@ -64,6 +68,7 @@ ModelTable::ModelTable(const md::Model& model, Profile profile)
       row.support = Support::kRejected;
     }
   }
+  table_.title = title_;
   table_.parameters = parameters_;
   table_.commands = commands_;
   table_.functions = numbers_;

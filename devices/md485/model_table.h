@@ -48,6 +48,7 @@ class ModelTable {
   const md::Model& model_;
   Profile profile_;
   std::string type_text_;
+  std::string title_;
   std::vector<ParameterRow> parameters_;
   std::vector<CommandRow> commands_;
   std::vector<CommandRow> numbers_;

@@ -1,5 +1,6 @@
 #include "firmware_models/md/six_step.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -18,15 +19,14 @@ PhasePair pair_of(int sector) {
   return kPairs[static_cast<std::size_t>(sector)];
 }
 
-// The third leg stands at the middle of the two: the bridge has no command that floats one leg.
 BridgeCommand six_step(int sector, double output, SimDuration pwm_period) {
   PhasePair pair = pair_of(sector);
   if (output < 0) std::swap(pair.source, pair.sink);
-  const double duty = std::min(1.0, std::fabs(output));
-  BridgeCommand command{.mode = Bridge::kDriven, .pwm_period = pwm_period};
-  command.duty = {duty / 2, duty / 2, duty / 2};
-  command.duty[pair.source] = duty;
-  command.duty[pair.sink] = 0;
+  BridgeCommand command{
+      .mode = Bridge::kDriven, .legs = {Leg::kHiZ, Leg::kHiZ, Leg::kHiZ}, .pwm_period = pwm_period};
+  command.duty[pair.source] = std::min(1.0, std::fabs(output));
+  command.legs[pair.source] = Leg::kDuty;
+  command.legs[pair.sink] = Leg::kLow;
   return command;
 }
 

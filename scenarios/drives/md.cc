@@ -20,11 +20,19 @@ using md::Controller;
 using md::MotorChannel;
 using md::Terminals;
 
-// DC models hang on a battery (it takes back what the motors give), AC models behind a rectifier.
+// DC models hang on a battery, taken as ideal: what the motors give back it takes. AC models hang
+// behind a rectifier, which takes nothing back, and have a chopper with a resistor of 100 Ohm.
 DcLinkParameters link_of(const md::Model& model) {
-  return {.source_v = model.bus_v,
-          .resistance_ohm = model.ac ? 1.0 : 0.0,
-          .capacitance_f = model.capacitance_f};
+  DcLinkParameters link{
+      .source_v = model.bus_v, .resistance_ohm = 0, .capacitance_f = model.capacitance_f};
+  if (!model.ac) return link;
+  link.resistance_ohm = 1;
+  link.chopper = {.on_v = 390,
+                  .off_v = 380,
+                  .resistance_ohm = 100,
+                  .heat_capacity_j_per_k = 200,
+                  .ambient_k_per_w = 0.5};
+  return link;
 }
 
 class MdDrive final : public Drive, private SerialReceiver {
@@ -68,7 +76,9 @@ class MdDrive final : public Drive, private SerialReceiver {
     Device device;
   };
 
+  // Two motors share one link.
   static std::vector<Axis> make_axes(const DriveContext& context, const md::Model& model) {
+    const DcBus bus(link_of(model), context.integrator);
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
       axes.emplace_back(
@@ -76,7 +86,7 @@ class MdDrive final : public Drive, private SerialReceiver {
                          .link = link_of(model),
                          .mechanics = motor.mechanics,
                          .effects = motor.effects},
-          context.integrator);
+          bus);
     }
     return axes;
   }

@@ -49,9 +49,9 @@ class Rig {
  public:
   explicit Rig(std::string_view name = "md400", std::uint64_t seed = 1)
       : model(model_named(name)), settings_(default_settings(model)) {
-    for (std::size_t i = 0; i < model.motors; ++i) {
-      axes_.emplace_back(test_axis(model), Integrator::kFast);
-    }
+    const AxisParameters parameters = test_axis(model);
+    const DcBus bus(parameters.link, Integrator::kFast);
+    for (std::size_t i = 0; i < model.motors; ++i) axes_.emplace_back(parameters, bus);
     for (Axis& axis : axes_) pointers_.push_back(&axis);
     controller = std::make_unique<Controller>(loop, pointers_, model, settings_, Seed{seed});
   }
