@@ -18,13 +18,23 @@ SimTime Pacer::sim_at(WallTime wall) const {
 }
 
 WallTime Pacer::wall_at(SimTime sim) const {
+  if (rate_ == 0) return sim <= sim_ ? wall_ : WallTime::max();
   const double ns = std::ceil(static_cast<double>((sim - sim_).count()) / rate_);
   const WallDuration left = WallTime::max() - wall_;
   if (ns >= static_cast<double>(left.count())) return WallTime::max();
   return wall_ + WallDuration{static_cast<std::int64_t>(ns)};
 }
 
+void Pacer::set_rate(double rate, SimTime sim, WallTime wall) {
+  VIRTDRIVE_CHECK(std::isfinite(rate) && rate >= 0, "a pacing rate of {}", rate);
+  rate_ = report_.rate = rate;
+  sim_ = sim;
+  wall_ = wall;
+  late_ = false;
+}
+
 void Pacer::resume(SimTime planned, WallTime wall) {
+  if (rate_ == 0) return;  // nothing is ever late
   const WallDuration lag = std::max(WallDuration{0}, wall - wall_at(planned));
   report_.max_lag = std::max(report_.max_lag, lag);
   if (lag > kOverrun && !late_) ++report_.overruns;

@@ -40,6 +40,10 @@ class Pacer {
   SimTime sim_at(WallTime wall) const;
   WallTime wall_at(SimTime sim) const;
 
+  double rate() const { return rate_; }
+  /// From now on, when `sim` belongs to `wall`, time passes at `rate`; 0: it stands still.
+  void set_rate(double rate, SimTime sim, WallTime wall);
+
   /// It is `wall`, and the simulation was to go on from `planned`: takes the lag down, and slips.
   void resume(SimTime planned, WallTime wall);
 

@@ -98,6 +98,18 @@ void Runner::add(HostEndpoint& endpoint) {
   outside_->ports.push_back(std::make_unique<Outside::Port>(outside_->context, endpoint));
 }
 
+bool Runner::set_rate(double rate) {
+  if (!pacer_) return false;
+  pacer_->set_rate(rate, loop_.now(), wall_now());
+  return true;
+}
+
+bool Runner::step(SimDuration time) {
+  if (!pacer_ || pacer_->rate() != 0) return false;
+  pacer_->set_rate(0, std::max(loop_.now(), pacer_->sim_at(wall_now())) + time, wall_now());
+  return true;
+}
+
 void Runner::request_stop() {
   outside_->stop = true;
   const std::uint64_t one = 1;
@@ -125,8 +137,12 @@ void Runner::run_paced() {
     pacer_->resume(planned, wall);
     if (!advance(std::min(std::max(loop_.now(), pacer_->sim_at(wall)), options_.until))) return;
     show_status(wall);
+    if (pacer_->rate() == 0) {  // stands still, unless it has been told to step
+      wait_until(loop_.now() < pacer_->sim_at(wall) ? wall : next_status_);
+      continue;
+    }
     const SimTime catch_up =
-        later(loop_.now(), static_cast<double>(kCatchUp.count()) * *options_.rate);
+        later(loop_.now(), static_cast<double>(kCatchUp.count()) * pacer_->rate());
     planned =
         std::min({loop_.next(Phase::kDevice), std::max(loop_.next(), catch_up), options_.until});
     // A status line is no appointment: being woken for it early must not hide, or feign, a lag.

@@ -40,6 +40,14 @@ class Runner {
   /// Runs until the end of time, a signal, request_stop(), or EventLoop::stop() by a callback.
   PacingReport run();
 
+  /// Of a paced run under way, called from within it (an endpoint, a callback): simulated seconds
+  /// per second from now on; 0 stands still, and what a host says waits. False if it runs free.
+  bool set_rate(double rate);
+  /// 0 while it stands still or runs free.
+  double rate() const { return pacer_ ? pacer_->rate() : 0; }
+  /// Of a run that stands still: lets so much simulated time pass at once. False if it does not.
+  bool step(SimDuration time);
+
   /// Ends run() soon. May be called from any thread and from a signal handler.
   void request_stop();
 

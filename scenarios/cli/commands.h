@@ -29,6 +29,7 @@ struct RunOptions {
   std::string wire;  // file of what passes on the line; empty: none
   std::optional<double> duration_s;
   std::string start;  // [CHANNEL:]RPM
+  std::string control;  // path of a socket for requests; empty: none
   bool trace = false;
   bool json = false;
 };
@@ -66,6 +67,16 @@ struct TestOptions {
   bool list = false;
 };
 int test(const TestOptions& options);
+
+struct CtlOptions {
+  std::string socket;
+  std::string word;
+  std::vector<std::string> arguments;
+  std::string drive;  // empty: the first
+  bool json = false;
+};
+/// kExitFailed if the bench refuses.
+int ctl(const CtlOptions& options);
 
 /// The JSON schema of scenario files.
 int print_schema();

@@ -128,6 +128,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->check(not_empty());
   command->add_option("--duration", options->duration_s, "End after so many simulated seconds")
       ->check(CLI::Range(0.0, 1e9));
+  command
+      ->add_option("--control", options->control,
+                   "Take requests on a Unix socket at this path: see 'virtdrive ctl'")
+      ->check(not_empty());
   command->add_flag("--json", options->json, "Ready line and report as JSON, a line each");
   command->callback([options, words, &action] {
     options->rate = parse_rate(words->rate);
@@ -254,6 +258,21 @@ void add_test(CLI::App& app, std::function<int()>& action) {
   });
 }
 
+void add_ctl(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("ctl", "Ask something of a bench that runs");
+  auto options = std::make_shared<CtlOptions>();
+  command->add_option("SOCKET", options->socket, "The path of its --control")->required();
+  command
+      ->add_option("REQUEST", options->word,
+                   "status, list, read NAME, set NAME VALUE, inject NAME [SEVERITY], clear NAME|all, "
+                   "power on|off, reset, rate VALUE (0 stands still), step SECONDS")
+      ->required();
+  command->add_option("ARGUMENT", options->arguments, "As above")->expected(0, 2);
+  command->add_option("--drive", options->drive, "Which, where the bench has several");
+  command->add_flag("--json", options->json, "Print the answer as it came");
+  command->callback([options, &action] { action = [options] { return ctl(*options); }; });
+}
+
 void add_schema(CLI::App& app, std::function<int()>& action) {
   app.add_subcommand("schema", "Print the JSON schema of scenario files, for editors")
       ->callback([&action] { action = print_schema; });
@@ -315,6 +334,7 @@ int run_program(int argc, char** argv) {
   add_demo(app, action);
   add_replay(app, action);
   add_test(app, action);
+  add_ctl(app, action);
   add_list(app, action);
   add_motor(app, action);
   add_schema(app, action);

@@ -13,6 +13,8 @@
 #include "pty/serial_device_endpoint.h"
 #include "pty/tcp_endpoint.h"
 #include "scenarios/cli/commands.h"
+#include "scenarios/control/control_commands.h"
+#include "scenarios/control/control_socket.h"
 #include "scenarios/recording/recorder.h"
 #include "scenarios/recording/wire_recorder.h"
 
@@ -239,6 +241,13 @@ int run(const RunOptions& options) {
                 {.rate = options.rate, .until = until, .status = [&](const auto& now) {
                    console.show_status(status_line(bench, port, now));
                  }});
+  ControlCommands commands(bench, runner);
+  std::optional<ControlSocket> control;
+  if (!options.control.empty()) {
+    control.emplace(options.control,
+                    [&](std::string_view request) { return commands.answer(request); });
+    runner.add(*control);
+  }
   runner.add(*port.endpoint);
   if (second) runner.add(*second);
   announce(options, bench, port);

