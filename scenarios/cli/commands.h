@@ -28,7 +28,7 @@ struct RunOptions {
   double interval_s = 1e-3;
   std::string wire;  // file of what passes on the line; empty: none
   std::optional<double> duration_s;
-  std::string start;  // [CHANNEL:]RPM
+  std::string start;    // [CHANNEL:]RPM
   std::string control;  // path of a socket for requests; empty: none
   bool trace = false;
   bool json = false;

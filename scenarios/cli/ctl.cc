@@ -19,8 +19,8 @@ struct Shape {
   std::string_view word;
   std::string_view arguments;  // n: name, v: number, t: text; in capitals: may be left out
 };
-constexpr Shape kShapes[] = {{"status", ""},   {"list", ""},    {"read", "n"},  {"set", "nv"},
-                             {"inject", "nV"}, {"clear", "n"},  {"power", "t"}, {"reset", ""},
+constexpr Shape kShapes[] = {{"status", ""},   {"list", ""},   {"read", "n"},  {"set", "nv"},
+                             {"inject", "nV"}, {"clear", "n"}, {"power", "t"}, {"reset", ""},
                              {"rate", "v"},    {"step", "v"}};
 
 double number_of(const std::string& text) {

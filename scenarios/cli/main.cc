@@ -263,9 +263,10 @@ void add_ctl(CLI::App& app, std::function<int()>& action) {
   auto options = std::make_shared<CtlOptions>();
   command->add_option("SOCKET", options->socket, "The path of its --control")->required();
   command
-      ->add_option("REQUEST", options->word,
-                   "status, list, read NAME, set NAME VALUE, inject NAME [SEVERITY], clear NAME|all, "
-                   "power on|off, reset, rate VALUE (0 stands still), step SECONDS")
+      ->add_option(
+          "REQUEST", options->word,
+          "status, list, read NAME, set NAME VALUE, inject NAME [SEVERITY], clear NAME|all, "
+          "power on|off, reset, rate VALUE (0 stands still), step SECONDS")
       ->required();
   command->add_option("ARGUMENT", options->arguments, "As above")->expected(0, 2);
   command->add_option("--drive", options->drive, "Which, where the bench has several");

@@ -38,8 +38,7 @@ double number_of(const Json& request, const char* key, double low, double high) 
 }
 
 BenchDrive& drive_of(const Context& c) {
-  return c.request.contains("drive") ? c.bench.drive(text_of(c.request, "drive"))
-                                     : c.bench.drive();
+  return c.request.contains("drive") ? c.bench.drive(text_of(c.request, "drive")) : c.bench.drive();
 }
 
 // JSON has no infinity.
@@ -59,8 +58,7 @@ Json set(const Context& c) {
 }
 
 Json inject(const Context& c) {
-  const double severity =
-      c.request.contains("value") ? number_of(c.request, "value", 0, 1e12) : 1;
+  const double severity = c.request.contains("value") ? number_of(c.request, "value", 0, 1e12) : 1;
   c.bench.registry().inject(text_of(c.request, "name"), severity);
   return Json::object();
 }
@@ -111,7 +109,9 @@ Json list(const Context& c) {
                                       [](const Input& input) { return input.signal.name; });
     names.push_back({{"name", signal.name},
                      {"unit", signal.unit},
-                     {"kind", it == inputs.end() ? "signal" : it->fault ? "fault" : "input"},
+                     {"kind", it == inputs.end() ? "signal"
+                              : it->fault        ? "fault"
+                                                 : "input"},
                      {"doc", signal.doc}});
   }
   return {{"names", names}};
@@ -151,10 +151,9 @@ struct Command {
   std::string_view word;
   Json (*run)(const Context&);
 };
-constexpr Command kCommands[] = {{"status", status}, {"list", list},     {"read", read},
-                                 {"set", set},       {"inject", inject}, {"clear", clear},
-                                 {"power", power},   {"reset", reset},   {"rate", rate},
-                                 {"step", step}};
+constexpr Command kCommands[] = {
+    {"status", status}, {"list", list},   {"read", read},   {"set", set},   {"inject", inject},
+    {"clear", clear},   {"power", power}, {"reset", reset}, {"rate", rate}, {"step", step}};
 
 Json carry_out(const Context& c) {
   const std::string word = text_of(c.request, "do");

@@ -107,8 +107,8 @@ void ControlSocket::serve(Client& client) {
       client.pending += answer_(std::string_view(client.heard).substr(0, end)) + '\n';
       client.heard.erase(0, end + 1);
     }
-    client.gone = client.gone || client.heard.size() > kMostRequest ||
-                  client.pending.size() > kMostPending;
+    client.gone =
+        client.gone || client.heard.size() > kMostRequest || client.pending.size() > kMostPending;
   }
   write(client);
 }
@@ -131,8 +131,8 @@ void ControlSocket::write(Client& client) {
 std::string ask_control_socket(const std::string& path, std::string_view request) {
   const FileDescriptor fd = open_socket(0);
   if (!connects(fd.get(), address_of(path))) {
-    throw SetupError(fmt::format("{}: no bench is controlled there: {}", path,
-                                 std::strerror(errno)));
+    throw SetupError(
+        fmt::format("{}: no bench is controlled there: {}", path, std::strerror(errno)));
   }
   std::string line = std::string(request) + '\n';
   for (std::string_view rest = line; !rest.empty();) {

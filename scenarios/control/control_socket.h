@@ -1,5 +1,5 @@
-// A Unix socket on which a bench takes requests while it runs, a line each (control_commands.h). Only
-// its owner may open it. Several clients at once; nothing here waits for one.
+// A Unix socket on which a bench takes requests while it runs, a line each (control_commands.h).
+// Only its owner may open it. Several clients at once; nothing here waits for one.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ class ControlSocket final : public HostEndpoint {
 
   using Answer = std::function<std::string(std::string_view request)>;
 
-  /// Listens at `path`; takes over what a bench that is gone has left there. SetupError if something
-  /// else is there, or it cannot be had.
+  /// Listens at `path`; takes over what a bench that is gone has left there. SetupError if
+  /// something else is there, or it cannot be had.
   ControlSocket(const std::string& path, Answer answer);
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
@@ -53,8 +53,8 @@ class ControlSocket final : public HostEndpoint {
   std::list<Client> clients_;
 };
 
-/// Sends one request to the bench at `path` and returns its answer; SetupError if nobody is there or
-/// the answer does not come whole.
+/// Sends one request to the bench at `path` and returns its answer; SetupError if nobody is there
+/// or the answer does not come whole.
 std::string ask_control_socket(const std::string& path, std::string_view request);
 
 }  // namespace virtdrive

@@ -81,12 +81,11 @@ class MdDrive final : public Drive, private SerialReceiver {
     const DcBus bus(link_of(model), context.integrator);
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
-      axes.emplace_back(
-          AxisParameters{.motor = motor.electrical,
-                         .link = link_of(model),
-                         .mechanics = motor.mechanics,
-                         .effects = motor.effects},
-          bus);
+      axes.emplace_back(AxisParameters{.motor = motor.electrical,
+                                       .link = link_of(model),
+                                       .mechanics = motor.mechanics,
+                                       .effects = motor.effects},
+                        bus);
     }
     return axes;
   }
