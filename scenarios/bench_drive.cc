@@ -1,6 +1,7 @@
 #include "scenarios/bench_drive.h"
 
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -34,6 +35,71 @@ std::unique_ptr<NonVolatileMemory> open_memory(const std::string& path, std::str
                                                const NoteListener& notes) {
   if (path.empty()) return std::make_unique<MemoryInProcess>();
   return std::make_unique<NvmFile>(path, drive, notes);
+}
+
+// What can break between a drive's bridge and its motor, each thing under its name. `advance`
+// brings the axis to the present.
+void register_bridge_faults(Registry& registry, std::size_t channel, Axis& axis,
+                            std::function<void()> advance) {
+  const auto add = [&](const std::string& name, std::string doc, double maximum, auto member) {
+    registry.add(Input{.signal = {name, "", std::move(doc),
+                                  [&axis, member] {
+                                    BridgeFaults faults = axis.bridge_faults();
+                                    return static_cast<double>(member(faults));
+                                  }},
+                       .minimum = 0,
+                       .maximum = maximum,
+                       .write =
+                           [&axis, advance, member](double value) {
+                             advance();
+                             BridgeFaults faults = axis.bridge_faults();
+                             auto& broken = member(faults);
+                             broken = static_cast<std::remove_reference_t<decltype(broken)>>(value);
+                             axis.set_bridge_faults(faults);
+                           },
+                       .fault = true});
+  };
+  for (std::size_t phase = 0; phase < 3; ++phase) {
+    const char letter = static_cast<char>('a' + phase);
+    add(fmt::format("motor{}.phase_{}_open", channel, letter),
+        fmt::format("The wire of phase {} is broken", letter), 1,
+        [phase](BridgeFaults& faults) -> auto& { return faults.phase_open[phase]; });
+  }
+  add(fmt::format("motor{}.phases_shorted", channel),
+      "Two phases touch at the terminals: 1 a and b, 2 b and c, 3 c and a", 3,
+      [](BridgeFaults& faults) -> auto& { return faults.shorted_phases; });
+  for (std::size_t leg = 0; leg < 3; ++leg) {
+    const char letter = static_cast<char>('a' + leg);
+    add(fmt::format("bridge{}.upper_{}_stuck", channel, letter),
+        fmt::format("Upper switch of leg {}: 1 never conducts, 2 always does", letter), 2,
+        [leg](BridgeFaults& faults) -> auto& { return faults.upper[leg]; });
+    add(fmt::format("bridge{}.lower_{}_stuck", channel, letter),
+        fmt::format("Lower switch of leg {}: 1 never conducts, 2 always does", letter), 2,
+        [leg](BridgeFaults& faults) -> auto& { return faults.lower[leg]; });
+  }
+  registry.add(
+      Input{.signal = {fmt::format("supply{}.off", channel), "", "The supply is switched off",
+                       [&axis] { return axis.bus().supply_on() ? 0.0 : 1.0; }},
+            .minimum = 0,
+            .maximum = 1,
+            .write =
+                [&axis, advance](double off) {
+                  advance();
+                  axis.bus().set_supply(off == 0);
+                },
+            .fault = true});
+  registry.add(Input{.signal = {fmt::format("load{}.locked", channel), "", "The shaft is held fast",
+                                [&axis] { return axis.load().locked ? 1.0 : 0.0; }},
+                     .minimum = 0,
+                     .maximum = 1,
+                     .write =
+                         [&axis, advance](double locked) {
+                           advance();
+                           Load load = axis.load();
+                           load.locked = locked != 0;
+                           axis.set_load(load);
+                         },
+                     .fault = true});
 }
 
 }  // namespace
@@ -180,6 +246,7 @@ void BenchDrive::register_channel(Registry& registry, std::size_t channel) {
                          axis.set_load(load);
                        }});
   };
+  register_bridge_faults(registry, channel, axis, [this, &axis] { axis.advance_to(loop_.now()); });
   load_input("brake_torque", "Nm", "Torque against the motion", 0, &Load::brake_torque_nm);
   load_input("constant_torque", "Nm", "Torque against positive rotation", -kInfinity,
              &Load::external_torque_nm);
