@@ -33,7 +33,6 @@ TEST(MotorPage, EveryKindHasAPageInItsUnits) {
   }
   EXPECT_NE(motor_svg(find_motor("re40-24v")).find("7576 rpm"), std::string::npos);
   EXPECT_NE(motor_svg(find_motor("md100")).find("Torque over speed"), std::string::npos);
-  EXPECT_NE(motor_svg(find_motor("syrm-7kw")).find("Torque over speed"), std::string::npos);
 }
 
 TEST(MotorPage, AMotorWithoutPeakCurrentHasOneTorqueCurve) {
