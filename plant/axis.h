@@ -108,7 +108,8 @@ class Axis {
   /// parameters out of range.
   Axis(const AxisParameters& parameters, Integrator integrator, const Load& load = {},
        double tolerance = kDefaultTolerance);
-  /// On a bus with others (`parameters.link` is not used). Starts at the bus' now().
+  /// On a bus with others (`parameters.link` is not used), as long as the bus lives. Starts at the
+  /// bus' now().
   Axis(const AxisParameters& parameters, const DcBus& bus, const Load& load = {});
 
   /// Advances the whole bus.

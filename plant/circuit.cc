@@ -58,7 +58,9 @@ AxisUnit::AxisUnit(const AxisParameters& p, const Load& l)
     : parameters(checked(p)),
       load(checked(p, l)),
       bridges(p.inverter, {false, false, p.effects.commutator}),
-      model(Winding(p.motor, p.effects, p.inverter.on_resistance_ohm), Shaft(p.mechanics, l)) {
+      model(Winding(p.motor, p.effects, p.inverter.on_resistance_ohm), Shaft(p.mechanics, l)),
+      winding_degc_(p.effects.thermal.reference_degc),
+      magnet_degc_(p.effects.thermal.reference_degc) {
   own_states.resize(static_cast<std::size_t>(model.states()));
   x = own_states.data();
   const Dq unmagnetised = model.winding.state_with_current({p.motor.flux_wb, 0}, {});
@@ -114,6 +116,8 @@ void AxisUnit::set_temperatures(double winding_degc, double magnet_degc) {
     x[model.temperatures_at()] = winding_degc;
     x[model.temperatures_at() + 1] = magnet_degc;
   }
+  winding_degc_ = winding_degc;
+  magnet_degc_ = magnet_degc;
   model.winding.set_temperatures(winding_degc, magnet_degc);
 }
 
@@ -123,7 +127,7 @@ void AxisUnit::update_temperatures() {
 }
 
 double AxisUnit::winding_degc() const {
-  return model.thermal() ? x[model.temperatures_at()] : parameters.effects.thermal.ambient_degc;
+  return model.thermal() ? x[model.temperatures_at()] : winding_degc_;
 }
 
 double AxisUnit::magnet_degc() const {
@@ -215,12 +219,20 @@ void AxisUnit::drive(SimTime now, double bus_v) {
     VIRTDRIVE_CHECK(duty >= 0 && duty <= 1, "duty {}", duty);
   }
   const bool dead_time = command_.dead_time > SimDuration{0};
-  if (dead_time || switched()) {
+  const bool timed = command_.pwm_period > SimDuration{0};
+  if (switched() && !timed) {
+    for (std::size_t leg = 0; leg < 3; ++leg) {
+      const double duty = command_.duty[leg];
+      VIRTDRIVE_CHECK(command_.legs[leg] != Leg::kDuty || duty == 0 || duty == 1,
+                      "duty {} of a switched bridge needs a PWM period", duty);
+    }
+  }
+  if (dead_time || (switched() && timed)) {
     VIRTDRIVE_CHECK(command_.pwm_period > command_.dead_time, "PWM period {} ns, dead time {} ns",
                     command_.pwm_period.count(), command_.dead_time.count());
     next_time_event_ = now + command_.pwm_period;
   }
-  if (switched()) {
+  if (switched() && timed) {
     edges_.start_period(now, command_);
     edges_.run(now);
     next_time_event_ = std::min(edges_.next(), next_time_event_);
@@ -231,7 +243,9 @@ void AxisUnit::drive(SimTime now, double bus_v) {
   for (std::size_t leg = 0; leg < 3; ++leg) {
     switch (command_.legs[leg]) {
       case Leg::kDuty:
-        gates[leg] = Gate::kAveraged;
+        gates[leg] = !switched()               ? Gate::kAveraged
+                     : command_.duty[leg] == 1 ? Gate::kHigh
+                                               : Gate::kLow;
         break;
       case Leg::kHigh:
         gates[leg] = Gate::kHigh;

@@ -70,6 +70,7 @@ class AxisUnit {
   std::size_t next_step_ = 0;
   SimTime next_step_at_ = kNever;
   double profile_nm_ = 0;
+  double winding_degc_, magnet_degc_;  // without a thermal model
 };
 
 struct Circuit {

@@ -133,6 +133,11 @@ Winding::Winding(const PmsmParameters& m, const MachineEffects& e, double series
     kind_ = Kind::kAnalytic;
     const AnalyticSaturation& a = *e.saturation;
     magnet_current_a_ = (a.d0 + a.dd * power(std::fabs(m.flux_wb), a.s)) * m.flux_wb;
+    const double most_a = 2 * m.rated_current_a;
+    for (const Dq i : {Dq{most_a, 0}, Dq{-most_a, 0}, Dq{0, most_a}}) {
+      const Point p = at(state_with_current({m.flux_wb, 0}, i));
+      least_inductance_ = std::min({least_inductance_, 1 / p.dd, 1 / p.qq});
+    }
   } else if (e.flux_map) {
     kind_ = Kind::kMap;
     least_inductance_ = std::numeric_limits<double>::infinity();

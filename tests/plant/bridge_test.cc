@@ -178,6 +178,16 @@ TEST_P(BridgeOf, ASwitchThatStaysClosedShortsTheLinkEachPeriod) {
   EXPECT_GT(axis.source_current_a(), 30);
 }
 
+TEST(BridgeFaultsTest, OfASwitchActOnLegsThatAreHeldHighOrLowWithoutAnyPeriod) {
+  Axis axis(small_bench(), Integrator::kDefault, {.locked = true});
+  axis.set_bridge({.mode = Bridge::kDriven, .legs = {Leg::kHigh, Leg::kLow, Leg::kLow}});
+  axis.advance_to(kSimStart + 10ms);
+  EXPECT_GT(axis.phase_currents_a()[0], 10);
+  axis.set_bridge_faults({.upper = {SwitchFault::kStuckOpen}});
+  axis.advance_to(axis.now() + 10ms);
+  EXPECT_LT(axis.phase_currents_a()[0], 0.1) << "it has run out through the lower diode";
+}
+
 TEST(BridgeFaultsTest, NeedSwitchesWithAResistanceWhereTheyShortTheLink) {
   Axis axis(small_bench(), Integrator::kFast);
   EXPECT_THROW(axis.set_bridge_faults({.shorted_phases = 1}), SetupError);
