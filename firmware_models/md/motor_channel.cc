@@ -382,6 +382,7 @@ void MotorChannel::watch() {
       .reference_rpm = is_speed ? reference_ : 0,
       .output = output_,
       .current_a = std::fabs(now_.current_a),
+      .mean_current_a = mean_current_a_,
       .max_load_a = max_load_a(model_, settings_),
       .max_rpm = static_cast<double>(settings_.max_rpm),
       .bus_v = now_.bus_v,

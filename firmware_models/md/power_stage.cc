@@ -115,10 +115,12 @@ void PowerStage::period() {
     if (held_off_) {
       cut({.mode = Bridge::kOff});
     } else if (std::fabs(current_a_) > command_.limit_a) {
+      // At first a driving current goes on in the low sides; a braking one, or one that the rotor
+      // drives on, goes into the link.
+      const bool circulates = along > 0 && !cut_;
       limited_ = cut_ = true;
-      // A driving current goes on in the low sides, a braking one into the link.
-      cut(along > 0 ? six_step(sector(), 0, kPwmPeriod) : BridgeCommand{.mode = Bridge::kOff});
-      driving_ = along > 0;
+      cut(circulates ? six_step(sector(), 0, kPwmPeriod) : BridgeCommand{.mode = Bridge::kOff});
+      driving_ = circulates;
     } else if (!cut_) {
       drive_bridge();
     }

@@ -31,7 +31,7 @@ bool Protections::watch(const Watched& now) {
   if (lasts(kSpeedOff, speed_off)) bits |= kCtrlFail;
   if (lasts(kLinkHigh, now.bus_v > now.over_v)) bits |= kOverVolt;
   if (lasts(kHot, now.heat_sink_degc > kOverTempDegc)) bits |= kOverTemp;
-  if (lasts(kLoaded, now.current_a > now.max_load_a)) bits |= kOverLoad;
+  if (lasts(kLoaded, now.mean_current_a > now.max_load_a)) bits |= kOverLoad;
   if (lasts(kOverCurrent, now.current_a > 1.5 * now.max_load_a)) bits |= kOverLoad;
   if (lasts(kNoHall, now.hall == 0 || now.hall == 7)) bits |= kHallFail;
   const bool against = now.rpm * now.output < 0 && std::fabs(now.output) > kLeastOutput &&

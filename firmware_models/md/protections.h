@@ -43,9 +43,10 @@ double derating(double heat_sink_degc);
 /// What the protections look at, once a millisecond.
 struct Watched {
   double rpm = 0;
-  double reference_rpm = 0;  // 0 unless the speed is controlled
-  double output = 0;         // -1023 .. 1023
-  double current_a = 0;      // magnitude, mean of the millisecond
+  double reference_rpm = 0;   // 0 unless the speed is controlled
+  double output = 0;          // -1023 .. 1023
+  double current_a = 0;       // magnitude, mean of the millisecond
+  double mean_current_a = 0;  // of 50 ms, as it is reported
   double max_load_a = 0;
   double max_rpm = 0;
   double bus_v = 0;

@@ -24,13 +24,13 @@ DRIVE = "toshiba-mcu"
 class Bench:
     """A running `virtdrive run ... --json` whose port is ready."""
 
-    def __init__(self, test, arguments, link):
+    def __init__(self, test, arguments, link, drive=DRIVE):
         self.test = test
         self.link = link
         self.stderr = tempfile.TemporaryFile("w+")
         test.addCleanup(self.stderr.close)
         self.process = subprocess.Popen(
-            [PROGRAM, "run", DRIVE, "--json", *(["--link", link] if link else []), *arguments],
+            [PROGRAM, "run", drive, "--json", *(["--link", link] if link else []), *arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=self.stderr,
@@ -110,10 +110,10 @@ class ProgramTest(unittest.TestCase):
     def files(self):
         return sorted(entry.name for entry in self.folder.iterdir())
 
-    def bench(self, *arguments, link="drive"):
-        """A bench of the drive under `link`, if that is not None, in the test's folder."""
+    def bench(self, *arguments, link="drive", drive=DRIVE):
+        """A bench of a drive under `link`, if that is not None, in the test's folder."""
         return Bench(
-            self, [str(argument) for argument in arguments], link and self.path(link)
+            self, [str(argument) for argument in arguments], link and self.path(link), drive
         )
 
     def run_program(self, *arguments, stdin=""):

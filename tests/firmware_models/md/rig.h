@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "core/event_loop.h"
 #include "firmware_models/md/controller.h"
+#include "plant/motor_library.h"
 
 namespace virtdrive::md {
 
@@ -21,28 +22,13 @@ inline const Model& model_named(std::string_view name) {
   throw SetupError("no such model");
 }
 
-/// Motors like those that the models are made for: R, L and Kt between two lines, a flat trapezoid
-/// of which the bench's sine is the fundamental.
+/// The model's default motor on a supply that takes what it is given back.
 inline AxisParameters test_axis(const Model& model) {
-  struct Data {
-    int pole_pairs;
-    double line_ohm, line_h, kt, inertia, coulomb, viscous;
-  };
-  const bool wheel = model.name == "md200t";
-  const Data d = wheel      ? Data{10, 0.6, 1e-3, 0.5, 1.5e-2, 0.15, 3e-3}
-                 : model.ac ? Data{4, 5.5, 9.5e-3, 0.78, 1.2e-4, 0.03, 3e-5}
-                            : Data{5, 0.22, 0.4e-3, 0.12, 1.2e-4, 0.03, 3e-5};
-  constexpr double kFundamental = 1.2158;  // of a trapezoid with a flat top of 120 degrees
+  const Motor motor = find_motor(model.motor);
   return {
-      .motor = {.pole_pairs = d.pole_pairs,
-                .resistance_ohm = d.line_ohm / 2,
-                .inductance_d_h = d.line_h / 2,
-                .inductance_q_h = d.line_h / 2,
-                .flux_wb = kFundamental * d.kt / 2 / d.pole_pairs,
-                .rated_current_a = model.current_a},
+      .motor = motor.electrical,
       .link = {.source_v = model.bus_v, .resistance_ohm = 0, .capacitance_f = model.capacitance_f},
-      .mechanics = {
-          .inertia_kgm2 = d.inertia, .viscous_nm_per_radps = d.viscous, .coulomb_nm = d.coulomb}};
+      .mechanics = motor.mechanics};
 }
 
 class Rig {

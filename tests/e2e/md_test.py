@@ -1,0 +1,107 @@
+"""The MD controllers over real pseudo-terminals, asked by a host written from their document."""
+
+import time
+import unittest
+
+import md
+from program import ProgramTest, read_recording
+
+COUNTS_PER_TURN = 60  # 20 poles x 3
+
+
+class DriveTest(ProgramTest):
+    def start(self, drive, *arguments, baud=md.BAUD, host=md.HOST):
+        self.bench_ = self.bench(*arguments, drive=drive)
+        connection = md.Host(self.bench_.link, baud=baud, host=host)
+        self.addCleanup(connection.port.close)
+        return connection
+
+
+class SingleController(DriveTest):
+    def test_a_speed_is_commanded_and_read_back(self):
+        host = self.start("md400")
+        self.assertEqual(host.request(md.TYPE), b"MD400-V4.4")
+        self.assertEqual(len(host.request(md.MAIN_DATA)), 17)
+        host.send(md.VEL_CMD, md.Int2Byte(-1000))
+        running = self.wait_for("the speed", lambda: self.at(host, -1000))
+        self.assertEqual((running.type, running.status), (1, 0))
+        self.assertLess(running.posi, 0)
+        host.send(md.TQ_OFF, [0])
+        self.wait_for("standstill", lambda: host.main_data().type == 0)
+        report = self.bench_.stop()
+        self.assertEqual((report["bad_frames"], report["bytes_garbled"]), (0, 0))
+
+    def at(self, host, rpm):
+        data = host.main_data()
+        return data if abs(data.rpm - rpm) <= 10 else None
+
+    def test_hosts_go_by_several_numbers(self):
+        self.start("md200")
+        for number in (172, 184, 128):
+            with md.Host(self.bench_.link, host=number) as host:
+                self.assertEqual(host.request(md.VERSION), bytes([44]))
+
+    def test_a_new_id_counts_at_once_and_stays(self):
+        memory = self.path("md.nvm")
+        host = self.start("md750", "--nvm", memory)
+        host.send(md.ID, [md.WRITE_CHECK, 9], device=md.ALL)
+        self.assertEqual(host.request(md.ID, device=9), bytes([9]))
+        self.bench_.stop()
+        host = self.start("md750", "--nvm", memory)
+        self.assertEqual(host.request(md.ID, device=9), bytes([9]))
+
+    def test_a_new_baud_rate_counts_after_the_next_power_up(self):
+        memory = self.path("md.nvm")
+        host = self.start("md100", "--nvm", memory)
+        host.send(md.BAUD_RATE, [md.WRITE_CHECK, 4])
+        self.assertEqual(host.request(md.VERSION), bytes([44]))
+        self.bench_.stop()
+        host = self.start("md100", "--nvm", memory, baud=57600)
+        self.assertEqual(host.request(md.VERSION), bytes([44]))
+
+
+class TwoWheels(DriveTest):
+    """A small robot: two in-wheel motors of 20 poles on one MD200T at 57600 baud."""
+
+    def test_a_robots_host_polls_fifty_times_a_second_and_loses_nothing(self):
+        recording = self.path("robot.csv")
+        host = self.start("md200t", "--set", "BAUDRATE=4", "--record", recording,
+                          "--signals", "motor0.angle,motor1.angle", baud=57600)
+        # As vendors' hosts begin: signs, no limit switches, positions to 0 (without a data byte).
+        host.send(md.INV_SIGN_CMD, [1])
+        host.send(md.INV_SIGN_CMD2, [0])
+        host.send(md.USE_LIMIT_SW, [0])
+        host.send(md.COMMAND, [8])
+        host.send(md.POSI_RESET)
+        self.assertTrue(host.request(md.TYPE).startswith(b"MD200T"))
+        host.two_speeds(120, 80)
+        begin = time.monotonic()
+        pids = (md.MAIN_DATA, md.IO_MONITOR, md.MONITOR, md.MAIN_DATA2, md.PNT_MAIN_DATA)
+        sizes = {}
+        for i in range(300):
+            time.sleep(max(0.0, begin + i / 50 - time.monotonic()))
+            pid = pids[i % len(pids)]
+            sizes[pid] = len(host.request(pid))
+        self.assertEqual(sizes, {193: 17, 194: 17, 196: 12, 200: 17, 210: 18})
+        left, right = md.two_wheels(host.request(md.PNT_MAIN_DATA))
+        self.assertAlmostEqual(left.rpm, 120, delta=6)
+        self.assertAlmostEqual(right.rpm, 80, delta=6)
+        self.assertGreater(left.posi, right.posi)
+        host.two_speeds(0, 0, md.RETURN_MAIN_DATA)
+        self.assertEqual(host.receive()[0], md.PNT_MAIN_DATA)
+        self.wait_for("standstill", lambda: not any(w.rpm for w in self.wheels(host)))
+        left, right = self.wheels(host)
+        time.sleep(0.1)
+        report = self.bench_.stop()
+        self.assertEqual((report["bad_frames"], report["bytes_lost_busy"]), (0, 0))
+        columns = read_recording(recording)
+        for wheel, sign, name in ((left, -1, "motor0.angle"), (right, 1, "motor1.angle")):
+            angle = next(v for k, v in columns.items() if k.startswith(name))[-1]
+            self.assertAlmostEqual(wheel.posi, sign * angle / 360 * COUNTS_PER_TURN, delta=1.5)
+
+    def wheels(self, host):
+        return md.two_wheels(host.request(md.PNT_MAIN_DATA))
+
+
+if __name__ == "__main__":
+    unittest.main()
