@@ -1,10 +1,14 @@
 // A scenario file may hold anything: it is read, or refused with one line that names the place.
-#include <cstddef>
-#include <cstdint>
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 #include <string_view>
 
 #include "core/check.h"
 #include "scenarios/scenario/loader.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace virtdrive {
 namespace {
@@ -23,6 +27,23 @@ void load(std::string_view text) {
 }
 
 }  // namespace
+
+// The corpus of bad files: each is a step away from a good one.
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+  std::vector<std::filesystem::path> files;
+  const std::string folder = VIRTDRIVE_TEST_DATA "/scenarios_bad";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  std::vector<std::vector<std::uint8_t>> seeds;
+  for (const auto& file : files) {
+    std::ifstream stream(file, std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  }
+  return seeds;
+}
+
 }  // namespace virtdrive
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

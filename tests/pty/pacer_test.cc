@@ -87,6 +87,19 @@ TEST(Pacer, LagIsMeasuredByTheWallClockWhateverTheRate) {
   EXPECT_EQ(slow.report().overruns, 1U);
 }
 
+TEST(Pacer, TheRateChangesWithoutAJumpAndStandsStillAtNought) {
+  Pacer pacer{1, kSimStart, kStart};
+  pacer.set_rate(10, kSimStart + 20ms, kStart + 20ms);
+  EXPECT_EQ(pacer.sim_at(kStart + 30ms), kSimStart + 120ms);
+  pacer.set_rate(0, kSimStart + 120ms, kStart + 30ms);
+  EXPECT_EQ(pacer.sim_at(kStart + 10s), kSimStart + 120ms);
+  EXPECT_EQ(pacer.wall_at(kSimStart + 121ms), WallTime::max());
+  pacer.resume(kSimStart + 120ms, kStart + 10s);
+  EXPECT_EQ(pacer.report().overruns, 0U);
+  pacer.set_rate(1, kSimStart + 120ms, kStart + 10s);
+  EXPECT_EQ(pacer.sim_at(kStart + 10s + 5ms), kSimStart + 125ms);
+}
+
 TEST(PacerDeathTest, ARateOfNothingIsAProgrammersError) {
   EXPECT_DEATH(Pacer(0, kSimStart, kStart), "a pacing rate of 0");
 }

@@ -7,6 +7,7 @@
 
 #include "scenarios/scenario/gallery.h"
 #include "scenarios/scenario/language.h"
+#include "scenarios/scenario/loader.h"
 #include "scenarios/scenario/schema.h"
 #include "scenarios/scenario/suite.h"
 
@@ -67,6 +68,15 @@ TEST(Language, ThePageTellsOfEveryWord) {
   told(language::line_keys());
   told(language::record_keys());
   told(language::milestone_keys());
+}
+
+TEST(Language, ThePagesFirstExampleIsAScenarioThatPasses) {
+  const std::string page = contents("docs/scenarios.md");
+  const std::string mark = "```yaml\n";
+  const std::size_t begin = page.find(mark) + mark.size();
+  const std::string text = page.substr(begin, page.find("```", begin) - begin);
+  const ScenarioResult result = play(parse_scenario("scenarios.md", text), 1);
+  EXPECT_TRUE(result.passed()) << explain(result);
 }
 
 TEST(Schema, KnowsTheVerbsTheDrivesAndTheirParameters) {
