@@ -89,8 +89,10 @@ Bench::Bench(const BenchOptions& options) : seed_(options.seed) {
   if (options.drives.empty()) throw SetupError("a bench needs a drive");
   if (options.lines.empty()) throw SetupError("a bench needs a line");
   for (const LineSpec& line : options.lines) add_line(line, options);
+  for (const SupplySpec& supply : options.supplies) add_supply(supply, options.integrator);
   for (const DriveSpec& drive : options.drives) add_drive(drive, options);
   registry_.set_scope("");
+  for (const auto& supply : supplies_) register_supply(supply->name, supply->bus);
   for (const auto& line : lines_) register_line(line->name, line->line);
 }
 
@@ -124,6 +126,46 @@ void Bench::register_line(const std::string& name, SerialLine& line) {
   register_line_faults(registry_, name + ".to_host", line, LineDirection::kToHost);
 }
 
+void Bench::add_supply(const SupplySpec& spec, Integrator integrator) {
+  for (const auto& other : supplies_) {
+    if (other->name == spec.name) {
+      throw SetupError(fmt::format("two supplies named '{}'", spec.name));
+    }
+  }
+  if (spec.name.empty()) throw SetupError("a supply that drives share needs a name");
+  supplies_.push_back(
+      std::make_unique<NamedSupply>(NamedSupply{spec.name, DcBus(spec.link, integrator)}));
+}
+
+void Bench::register_supply(const std::string& name, DcBus& bus) {
+  const auto present = [this, &bus]() -> DcBus& {
+    bus.advance_to(loop_.now());
+    return bus;
+  };
+  registry_.add(Signal{name + ".link_voltage", "V", "Voltage of the shared DC link",
+                       [present] { return present().voltage_v(); }});
+  registry_.add(Signal{name + ".current", "A", "Current out of the shared supply",
+                       [present] { return present().source_current_a(); }});
+  registry_.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
+                                 [&bus] { return bus.parameters().source_v; }},
+                      .minimum = 0,
+                      .maximum = 1000,
+                      .write = [present](double volts) { present().set_source_voltage(volts); }});
+  registry_.add(Input{.signal = {name + ".off", "", "The supply is switched off",
+                                 [&bus] { return bus.supply_on() ? 0.0 : 1.0; }},
+                      .minimum = 0,
+                      .maximum = 1,
+                      .write = [present](double off) { present().set_supply(off == 0); },
+                      .fault = true});
+}
+
+std::optional<DcBus> Bench::supply_of(const DriveSpec& spec) {
+  if (spec.supply.empty()) return std::nullopt;
+  return named(supplies_, "supply", spec.supply,
+               [](const NamedSupply& s) -> auto& { return s.name; })
+      .bus;
+}
+
 void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {
   for (const auto& other : drives_) {
     if (other->name() == spec.name) {
@@ -139,6 +181,7 @@ void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {
   drives_.push_back(
       std::make_unique<BenchDrive>(spec, BenchDrive::Surroundings{.loop = loop_,
                                                                   .lines = lines_of(spec, options),
+                                                                  .supply = supply_of(spec),
                                                                   .seed = seed_,
                                                                   .integrator = options.integrator,
                                                                   .listener = std::move(listener),

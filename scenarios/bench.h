@@ -36,9 +36,16 @@ struct LineSpec {
   bool echo = false;             // half duplex: the host hears itself
 };
 
+/// A DC supply that drives share, with the capacitors of all of them.
+struct SupplySpec {
+  std::string name;
+  DcLinkParameters link{};
+};
+
 struct BenchOptions {
   std::vector<DriveSpec> drives;  // at least one
   std::vector<LineSpec> lines = {LineSpec{}};
+  std::vector<SupplySpec> supplies;  // for drives that share one
   std::uint64_t seed = 1;
   Integrator integrator = Integrator::kDefault;
   /// Frames as a drive hears and says them; the drive's name comes first.
@@ -91,14 +98,23 @@ class Bench {
     SerialLine line;
   };
 
+  struct NamedSupply {
+    std::string name;
+    DcBus bus;
+  };
+
   void add_line(const LineSpec& spec, const BenchOptions& options);
   void register_line(const std::string& name, SerialLine& line);
+  void add_supply(const SupplySpec& spec, Integrator integrator);
+  void register_supply(const std::string& name, DcBus& bus);
+  std::optional<DcBus> supply_of(const DriveSpec& spec);
   void add_drive(const DriveSpec& spec, const BenchOptions& options);
   std::vector<SerialLine*> lines_of(const DriveSpec& spec, const BenchOptions& options);
 
   Seed seed_;
   EventLoop loop_;
   std::vector<std::unique_ptr<NamedLine>> lines_;
+  std::vector<std::unique_ptr<NamedSupply>> supplies_;
   std::vector<std::unique_ptr<BenchDrive>> drives_;
   Registry registry_;
 };

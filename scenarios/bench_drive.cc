@@ -129,6 +129,7 @@ std::unique_ptr<Drive> BenchDrive::make_drive(const DriveSpec& spec, const Surro
                      .seed = seed_,
                      .memory = *memory_,
                      .motors = motors_,
+                     .supply = bench.supply,
                      .integrator = bench.integrator,
                      .ideal_line = line().settings().timing == LineTiming::kIdeal,
                      .lenient = spec.lenient,

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,7 @@ struct DriveSpec {
   std::vector<std::string> other_lines;  // of its further ports; empty, or missing: no line
   std::vector<std::string>
       motors;  // names or files; one for all channels or one each; empty: the kind's default
+  std::string supply;            // one of the bench's; empty: what the kind of drive hangs on
   std::string load = "none";     // see parse_load()
   std::vector<std::string> set;  // "[CHANNEL.]NAME=VALUE[UNIT]", written at the start
   std::string nvm;               // file of the non-volatile memory; empty: kept in the process
@@ -36,6 +38,7 @@ class BenchDrive {
   struct Surroundings {
     EventLoop& loop;
     std::vector<SerialLine*> lines;  // one a port of the drive; null where none is
+    std::optional<DcBus> supply;
     const Seed& seed;
     Integrator integrator;
     WireListener listener;

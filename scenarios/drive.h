@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ struct DriveContext {
   const Seed& seed;
   NonVolatileMemory& memory;
   std::span<const Motor> motors;  // one a channel
+  std::optional<DcBus> supply;    // shared with others; none: what the kind of drive hangs on
   Integrator integrator = Integrator::kDefault;
   bool ideal_line = false;  // answers at once
   bool lenient = false;

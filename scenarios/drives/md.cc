@@ -78,7 +78,7 @@ class MdDrive final : public Drive, private SerialReceiver {
 
   // Two motors share one link.
   static std::vector<Axis> make_axes(const DriveContext& context, const md::Model& model) {
-    const DcBus bus(link_of(model), context.integrator);
+    const DcBus bus = context.supply.value_or(DcBus(link_of(model), context.integrator));
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
       axes.emplace_back(AxisParameters{.motor = motor.electrical,

@@ -75,14 +75,18 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
     Device device;
   };
 
+  // Three boards, each on a supply of its own unless the bench has them share one.
   static std::vector<Axis> make_axes(const DriveContext& context) {
     std::vector<Axis> axes;
     for (const Motor& motor : context.motors) {
-      axes.emplace_back(AxisParameters{.motor = motor.electrical,
-                                       .link = kSupply,
-                                       .mechanics = motor.mechanics,
-                                       .effects = motor.effects},
-                        context.integrator);
+      const AxisParameters parameters{.motor = motor.electrical,
+                                      .link = kSupply,
+                                      .mechanics = motor.mechanics,
+                                      .effects = motor.effects};
+      if (context.supply)
+        axes.emplace_back(parameters, *context.supply);
+      else
+        axes.emplace_back(parameters, context.integrator);
     }
     return axes;
   }
@@ -235,6 +239,8 @@ void ToshibaMcuDrive::register_board(Registry& registry, std::size_t index) {
   add("temperature", "degC", "Temperature of the power board", -40, 150,
       &BoardInputs::temperature_degc);
   add("emergency", "", "The emergency pin is pulled", 0, 1, &BoardInputs::emergency, true);
+  add("thermistor", "", "The thermistor: 1 its wire is broken, 2 it is shorted", 0, 2,
+      &BoardInputs::thermistor, true);
   add("speed_voltage", "V", "Analogue input of the external speed control", 0, 5,
       &BoardInputs::speed_v);
   add("speed_pwm", "", "High share of the external speed control's PWM signal", 0, 1,

@@ -126,6 +126,9 @@ DriveSpec parse_drive(const Json& json, std::string_view where) {
 
 std::string describe(const RecordedBench& bench) {
   const BenchOptions& options = bench.options;
+  if (!options.supplies.empty()) {
+    throw SetupError("a recording of the wire cannot describe supplies that drives share");
+  }
   Json lines = Json::array();
   for (const LineSpec& line : options.lines) {
     lines.push_back({{"name", line.name},

@@ -22,6 +22,7 @@ struct RecordedBench {
   SimDuration interval{};
 };
 
+/// Throws SetupError for what it cannot say: supplies that drives share.
 std::string describe(const RecordedBench& bench);
 
 /// SetupError, beginning with `where`, if that is no such text; names and values that the bench

@@ -143,6 +143,10 @@ TEST(Bench, RefusesWhatDoesNotFitTogether) {
   EXPECT_EQ(error_of({.drives = {drive}, .lines = {{.echo = true}}}),
             "line 'line': a host hears itself on a half-duplex line only, and this one is full "
             "duplex");
+  DriveSpec unfed = drive;
+  unfed.supply = "pack";
+  EXPECT_EQ(error_of({.drives = {unfed}, .supplies = {{"pact", {}}}}),
+            "unknown supply 'pack'; did you mean pact? (known: pact)");
   DriveSpec three_ports = drive;
   three_ports.other_lines = {"line", "line"};
   EXPECT_EQ(error_of({.drives = {three_ports}}),
@@ -191,6 +195,35 @@ TEST(Bench, ASecondPortHasALineOfItsOwn) {
   EXPECT_GT(bench.read("scope.frames"), 1000);
   EXPECT_EQ(bench.read("scope.missed"), 0);
   EXPECT_NEAR(double(heard), bench.read("scope.frames") * 11, 11);
+}
+
+TEST(Bench, DrivesShareASupply) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu", .name = "left", .line = "a", .supply = "pack"},
+                          {.kind = "toshiba-mcu", .name = "right", .line = "b", .supply = "pack"}},
+               .lines = {{.name = "a"}, {.name = "b"}},
+               .supplies = {{"pack", {.source_v = 24, .resistance_ohm = 2}}},
+               .integrator = Integrator::kFast});
+  EXPECT_NEAR(bench.read("right.bus0.voltage"), 24, 1e-9);
+  bench.host(bench.drive("left"))->start_motor(1, 2000);
+  bench.set("left.load1.brake_torque", 0.02);
+  bench.run_for(4s);
+  EXPECT_LT(bench.read("right.bus0.voltage"), 23.9);  // pulled down by the other's motor
+  EXPECT_EQ(bench.read("right.bus0.voltage"), bench.read("pack.link_voltage"));
+  EXPECT_NEAR(bench.read("pack.current"), (24 - bench.read("pack.link_voltage")) / 2, 1e-6);
+}
+
+TEST(Bench, ALostPhaseHasItsName) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}, .integrator = Integrator::kFast});
+  start(bench, 2000);
+  bench.run_for(3s);
+  bench.registry().inject("motor1.phase_b_open");
+  bench.run_for(100ms);
+  EXPECT_NEAR(bench.read("motor1.current_b"), 0, 1e-6);
+  bench.registry().clear_faults();
+  EXPECT_EQ(bench.read("motor1.phase_b_open"), 0);
+  bench.registry().inject("load1.locked");
+  bench.run_for(500ms);
+  EXPECT_EQ(bench.read("motor1.speed"), 0);
 }
 
 TEST(Bench, LineFaultsHaveNames) {
