@@ -43,7 +43,7 @@ protocol::Values Client::receive(const ParameterRow& row) {
   Decoder decoder(protocol::Direction::kReply, route_.host);
   while (true) {
     const auto byte = transport_.read(patience_);
-    if (!byte) throw ClientError(fmt::format("{}: the controller does not answer", row.name));
+    if (!byte) throw DriveSilent(fmt::format("{}: the controller does not answer", row.name));
     for (auto e = decoder.push(*byte); e != Decoder::Event::kNone; e = decoder.next()) {
       if (e == Decoder::Event::kFrame && decoder.frame().pid == row.id) {
         return decoder.frame().values;

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <stdexcept>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -153,10 +154,11 @@ HostOutcome run_host_program(Bench& bench, const RunHost& host) {
     program.wait();
     runner.request_stop();
   });
-  runner.run();
+  const int interrupted = runner.run().signal;
   const bool in_time = program.ended();
   if (!in_time) program.kill();
   waiter.join();
+  if (interrupted != 0) throw std::runtime_error("interrupted");
   for (const Terminal& terminal : terminals) terminal.endpoint->flush();
 
   const int status = program.status();

@@ -219,6 +219,14 @@ ScenarioResult Player::play() {
       }
     }
   } catch (const Failed&) {
+  } catch (const SetupError& error) {
+    // What the bench cannot do though its names are right: this fault on this bridge.
+    result_.failure = Failure{.place = place_text(scenario_, *step_),
+                              .step = step_->text,
+                              .expected = "a bench that can do so",
+                              .got = error.what(),
+                              .off = {},
+                              .at = loop_.now()};
   }
   result_.simulated = loop_.now() - kSimStart;
   return std::move(result_);
