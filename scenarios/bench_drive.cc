@@ -65,16 +65,21 @@ void register_bridge_faults(Registry& registry, std::size_t channel, Axis& axis,
         fmt::format("The wire of phase {} is broken", letter), 1,
         [phase](BridgeFaults& faults) -> auto& { return faults.phase_open[phase]; });
   }
-  add(fmt::format("motor{}.phases_shorted", channel),
-      "Two phases touch at the terminals: 1 a and b, 2 b and c, 3 c and a", 3,
-      [](BridgeFaults& faults) -> auto& { return faults.shorted_phases; });
+  // What shorts the link needs a resistance that limits the current.
+  const bool resists = axis.parameters().inverter.on_resistance_ohm > 0;
+  if (resists) {
+    add(fmt::format("motor{}.phases_shorted", channel),
+        "Two phases touch at the terminals: 1 a and b, 2 b and c, 3 c and a", 3,
+        [](BridgeFaults& faults) -> auto& { return faults.shorted_phases; });
+  }
+  const double worst = resists ? 2 : 1;
   for (std::size_t leg = 0; leg < 3; ++leg) {
     const char letter = static_cast<char>('a' + leg);
     add(fmt::format("bridge{}.upper_{}_stuck", channel, letter),
-        fmt::format("Upper switch of leg {}: 1 never conducts, 2 always does", letter), 2,
+        fmt::format("Upper switch of leg {}: 1 never conducts, 2 always does", letter), worst,
         [leg](BridgeFaults& faults) -> auto& { return faults.upper[leg]; });
     add(fmt::format("bridge{}.lower_{}_stuck", channel, letter),
-        fmt::format("Lower switch of leg {}: 1 never conducts, 2 always does", letter), 2,
+        fmt::format("Lower switch of leg {}: 1 never conducts, 2 always does", letter), worst,
         [leg](BridgeFaults& faults) -> auto& { return faults.lower[leg]; });
   }
   registry.add(
