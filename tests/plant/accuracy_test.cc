@@ -29,7 +29,7 @@ double bound(PlantMode mode) {
     case PlantMode::kSixStep:
       return 5e-4;
     case PlantMode::kRectifying:
-      return 5e-6;
+      return 5e-5;  // what a sliver of conduction is worth that a step leaps over
     case PlantMode::kShorted:
       return 5e-6;
   }
