@@ -40,7 +40,9 @@ std::string unknown_name(std::string_view kind, std::string_view name,
   std::string text = fmt::format("unknown {} '{}'", kind, name);
   std::vector<std::pair<std::size_t, std::string_view>> near;
   for (const std::string_view candidate : known) {
-    const std::size_t distance = edit_distance(name, candidate);
+    // A name that was cut short is nearer than any misspelling.
+    const bool begins = name.size() >= 3 && candidate.starts_with(name);
+    const std::size_t distance = begins ? 0 : edit_distance(name, candidate);
     if (distance <= std::max<std::size_t>(2, candidate.size() / 3))
       near.emplace_back(distance, candidate);
   }

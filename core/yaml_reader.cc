@@ -36,6 +36,14 @@ struct YamlNode {
 
 namespace {
 
+// The parser quotes the character that it does not like, whatever it is.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  }
+  return text;
+}
+
 using Kind = YamlNode::Kind;
 
 [[noreturn]] void fail_at(const std::string& file, YamlPosition at, std::string_view message) {
@@ -175,7 +183,7 @@ std::unique_ptr<YamlNode> parse(const std::string& name, std::string_view text) 
     }
   } catch (const YAML::Exception& error) {
     fail_at(name, error.mark.is_null() ? YamlPosition{} : position_of(error.mark),
-            fmt::format("not YAML: {}", error.msg));
+            fmt::format("not YAML: {}", printable(error.msg)));
   }
   std::unique_ptr<YamlNode> root = builder.take_root();
   if (!root) fail_at(name, {}, "nothing in it");

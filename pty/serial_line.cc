@@ -116,6 +116,7 @@ LineEnd& SerialLine::add_device(const LineSettings& settings) {
 }
 
 void SerialLine::host_send(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return;
   if (host_tap_) host_tap_(bytes, host_, loop_.now());
   wires(LineDirection::kToDevices)
       .send(host_talker_, bytes, host_line(), active_faults(LineDirection::kToDevices));
@@ -141,6 +142,7 @@ void SerialLine::on_wire(WireTap tap) {
 }
 
 void SerialLine::set_host(const HostSettings& host) {
+  if (host == host_) return;
   host_ = host;
   check_settings(host_line());
   wires(LineDirection::kToHost).tune(host_ear_, host_line());

@@ -24,7 +24,8 @@ const DriveKind& find_drive(std::string_view name) {
   if (it != drive_catalogue().end()) return *it;
   std::vector<std::string_view> names;
   for (const DriveKind& kind : drive_catalogue()) names.push_back(kind.name);
-  throw SetupError(unknown_name("drive", name, names));
+  throw SetupError(unknown_name("drive", name, names) +
+                   " ('virtdrive list drives' shows them all)");
 }
 
 }  // namespace virtdrive

@@ -357,8 +357,8 @@ void for_each_number(AnySettings& s, Visitor&& visit) {
 
 // Layout, the model's name, the numbers, what makes the sum zero.
 std::vector<std::uint8_t> to_block(const md::Model& model, const Settings& settings) {
-  std::vector<std::uint8_t> block = {kLayout};
-  block.insert(block.end(), model.name.begin(), model.name.end());
+  std::vector<std::uint8_t> block(1 + model.name.size(), kLayout);
+  std::ranges::copy(model.name, block.begin() + 1);
   for_each_number(settings, [&](std::int32_t number) {
     block.resize(block.size() + 4);
     protocol::store(std::span(block).last(4), WireType::kI32, kTable.framing.order, number);

@@ -18,6 +18,11 @@ TEST(Names, AMisspeltNameGetsTheNearestOnesOffered) {
             "(known: db42s03, db42s01, dr38312)");
 }
 
+TEST(Names, ANameThatWasCutShortGetsTheWholeOne) {
+  EXPECT_EQ(unknown_name("drive", "toshiba", {"md50", "toshiba-mcu"}),
+            "unknown drive 'toshiba'; did you mean toshiba-mcu? (known: md50, toshiba-mcu)");
+}
+
 TEST(Names, AFarNameGetsTheListOnly) {
   EXPECT_EQ(unknown_name("motor", "xyz", {"db42s03"}), "unknown motor 'xyz' (known: db42s03)");
 }

@@ -152,7 +152,7 @@ class Flood(EnduranceTest):
             self.fail(f"the drive does not come back: {last}")
         report = bench.stop()
         self.assertGreater(report["bytes_lost_busy"], sent // 10)
-        self.assertGreaterEqual(report["simulated_s"], self.SECONDS)
+        self.assertGreaterEqual(report["simulated_s"], 0.9 * self.SECONDS)
         self.assertIn("overruns", report)
 
 

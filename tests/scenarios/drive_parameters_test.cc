@@ -58,8 +58,10 @@ TEST(SetParameter, SaysWhatIsWrong) {
 }
 
 TEST(BenchOptions, UnknownNamesAreErrorsThatOfferTheNearest) {
-  EXPECT_EQ(error_of({.drives = {{.kind = "toshiba"}}}),
-            "unknown drive 'toshiba' (known: toshiba-mcu)");
+  EXPECT_EQ(
+      error_of({.drives = {{.kind = "toshiba"}}}),
+      "unknown drive 'toshiba'; did you mean toshiba-mcu? ('virtdrive list drives' shows them "
+      "all)");
   EXPECT_NE(error_of({.drives = {{.kind = "toshiba-mcu", .motors = {"db42s30"}}}})
                 .find("did you mean db42s03"),
             std::string::npos);
