@@ -33,8 +33,8 @@ const Row& row_named(std::span<const Row> rows, std::string_view kind, std::stri
   const auto it = std::ranges::find_if(rows, same);
   if (it != rows.end()) return *it;
   std::vector<std::string_view> names;
-  for (const Row& row : rows) names.push_back(row.name);
-  throw SetupError(unknown_name(kind, name, names));
+  for (const Row& row : rows) names.push_back(without_prefix(row.name));
+  throw SetupError(unknown_name(kind, without_prefix(name), names));
 }
 
 std::int64_t number(std::string_view text, std::string_view digits) {
