@@ -318,12 +318,18 @@ constexpr std::uint8_t kComTarSpeed = 180;
 constexpr std::uint8_t kInputType = 25;
 constexpr std::int64_t kNoInputType = 4;  // V4.4 has 0..3 and 5
 
+// In place of find() != nullptr, which g++ takes for no constant where it sanitises.
+template <class Bindings>
+consteval bool binds(const Bindings& bindings, std::uint16_t id) {
+  return std::ranges::any_of(bindings, [id](const auto& binding) { return binding.id == id; });
+}
+
 // Every row that is not rejected has a setting or a block behind it, and nothing else has.
 consteval bool all_bound() {
   std::size_t blocks = 0, settings = 0;
   for (const ParameterRow& row : kParameters) {
-    const bool block = protocol::find(kBlocks, row.id) != nullptr;
-    const bool setting = protocol::find(kSettingRows, row.id) != nullptr;
+    const bool block = binds(kBlocks, row.id);
+    const bool setting = binds(kSettingRows, row.id);
     if ((block || setting) != (row.support != Support::kRejected)) return false;
     blocks += block;
     settings += setting;
