@@ -159,14 +159,13 @@ void HalfBridges::connect() {
   if (conducting() < 2) diodes_ = {};  // a single node has nowhere to send its current
   Connection c;
   PhaseValues share{}, offset{};
-  int floating = -1, connected = 0, nodes = 0;
+  int floating = -1, connected = 0;
   bool shorted = false;
   watched_ = some_blocked_ = referenced_ = false;
   for (int x = 0; x < 3; ++x) {
     const auto phase = static_cast<std::size_t>(x);
     const int node = node_[phase];
     const bool conducting_phase = node >= 0 && conducts(node);
-    nodes += first_of_node(x) ? 1 : 0;
     shorted = shorted || (node >= 0 && node != x);
     if (!conducting_phase) {
       floating = x;
