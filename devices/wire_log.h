@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 
-#include "core/sim_time.h"
+#include "core/event_loop.h"
+#include "devices/protocol/table.h"
 
 namespace virtdrive {
 
@@ -40,6 +43,32 @@ struct WireCounters {
     return {a.requests + b.requests, a.replies + b.replies, a.bad_frames + b.bad_frames,
             a.bytes_lost + b.bytes_lost};
   }
+};
+
+/// What every device does with all that: it counts, and tells who listens.
+class WireLog {
+ public:
+  WireLog(const EventLoop& loop, WireListener listener, NoteListener notes)
+      : loop_(loop), listener_(std::move(listener)), notes_(std::move(notes)) {}
+
+  /// Somebody reads the texts: what serves them only need not be made otherwise.
+  bool has_listener() const { return listener_ != nullptr; }
+  void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
+  void note(std::string_view text) const {
+    if (notes_) notes_(text);
+  }
+  /// A host used the row of this name (which lives as long as the program): told once, if nothing
+  /// acts on it.
+  void note_use(std::string_view name, protocol::Support support);
+
+  const WireCounters& counters() const { return counters_; }
+
+ private:
+  const EventLoop& loop_;
+  WireListener listener_;
+  NoteListener notes_;
+  std::set<std::string_view> noted_;
+  WireCounters counters_;
 };
 
 }  // namespace virtdrive

@@ -6,6 +6,7 @@
 #include "core/check.h"
 #include "core/names.h"
 #include "scenarios/line_transport.h"
+#include "scenarios/plant_signals.h"
 
 namespace virtdrive {
 namespace {
@@ -92,7 +93,9 @@ Bench::Bench(const BenchOptions& options) : seed_(options.seed) {
   for (const SupplySpec& supply : options.supplies) add_supply(supply, options.integrator);
   for (const DriveSpec& drive : options.drives) add_drive(drive, options);
   registry_.set_scope("");
-  for (const auto& supply : supplies_) register_supply(supply->name, supply->bus);
+  for (const auto& supply : supplies_) {
+    register_supply(registry_, loop_, supply->name, supply->bus);
+  }
   for (const auto& line : lines_) register_line(line->name, line->line);
 }
 
@@ -135,28 +138,6 @@ void Bench::add_supply(const SupplySpec& spec, Integrator integrator) {
   if (spec.name.empty()) throw SetupError("a supply that drives share needs a name");
   supplies_.push_back(
       std::make_unique<NamedSupply>(NamedSupply{spec.name, DcBus(spec.link, integrator)}));
-}
-
-void Bench::register_supply(const std::string& name, DcBus& bus) {
-  const auto present = [this, &bus]() -> DcBus& {
-    bus.advance_to(loop_.now());
-    return bus;
-  };
-  registry_.add(Signal{name + ".link_voltage", "V", "Voltage of the shared DC link",
-                       [present] { return present().voltage_v(); }});
-  registry_.add(Signal{name + ".current", "A", "Current out of the shared supply",
-                       [present] { return present().source_current_a(); }});
-  registry_.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
-                                 [&bus] { return bus.parameters().source_v; }},
-                      .minimum = 0,
-                      .maximum = 1000,
-                      .write = [present](double volts) { present().set_source_voltage(volts); }});
-  registry_.add(Input{.signal = {name + ".off", "", "The supply is switched off",
-                                 [&bus] { return bus.supply_on() ? 0.0 : 1.0; }},
-                      .minimum = 0,
-                      .maximum = 1,
-                      .write = [present](double off) { present().set_supply(off == 0); },
-                      .fault = true});
 }
 
 std::optional<DcBus> Bench::supply_of(const DriveSpec& spec) {

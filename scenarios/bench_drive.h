@@ -70,7 +70,6 @@ class BenchDrive {
   void register_signals(Registry& registry);
 
  private:
-  void register_channel(Registry& registry, std::size_t channel);
   std::unique_ptr<Drive> make_drive(const DriveSpec& spec, const Surroundings& bench);
   void attach();
   void write(const std::string& assignment);

@@ -116,8 +116,7 @@ Device::Device(EventLoop& loop, SerialPort& port, md::Controller& controller,
       table_(table),
       parameters_(controller, table, memory),
       options_(options),
-      listener_(std::move(listener)),
-      notes_(std::move(notes)),
+      log_(loop, std::move(listener), std::move(notes)),
       silence_(loop.add(Phase::kDevice,
                         [this] {
                           for (auto e = decoder_.expire(); e != Decoder::Event::kNone;
@@ -148,13 +147,13 @@ void Device::handle(Decoder::Event event) {
       take(decoder_.frame());
       break;
     case Decoder::Event::kUnknownPid:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown PID, no answer");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown PID, no answer");
       break;
     case Decoder::Event::kTooShort:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "too few data, no answer");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "too few data, no answer");
       break;
     case Decoder::Event::kBadSum:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong checksum, no answer");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong checksum, no answer");
       break;
   }
 }
@@ -162,11 +161,11 @@ void Device::handle(Decoder::Event event) {
 void Device::take(const Frame& frame) {
   if (frame.route.id != id() && frame.route.id != kAllControllers) return;
   if (queue_.size() >= kMostQueued) {
-    counters_.bytes_lost += decoder_.bytes().size();
-    tell(WireEvent::Kind::kLost, decoder_.bytes(), "too many frames are waiting");
+    log_.tell(WireEvent::Kind::kLost, decoder_.bytes(), "too many frames are waiting");
     return;
   }
-  tell(WireEvent::Kind::kRequest, decoder_.bytes(), listener_ ? describe(frame) : std::string());
+  log_.tell(WireEvent::Kind::kRequest, decoder_.bytes(),
+            log_.has_listener() ? describe(frame) : std::string());
   queue_.push_back(frame);
   if (work_.due() == kNever) work_.at(loop_.now());
 }
@@ -203,7 +202,7 @@ void Device::act(const Frame& frame) {
   }
   if (!parameters_.write(frame.pid, frame.values)) return;
   takes_ = kWriteTime;
-  note_if_stored(*frame.parameter);
+  log_.note_use(frame.parameter->name, frame.parameter->support);
   answer_by_return_type();
 }
 
@@ -235,9 +234,10 @@ void Device::send(const Reply& reply) {
     return;
   }
   const auto bytes = encode_reply(reply.route, *row, *values);
-  tell(WireEvent::Kind::kReply, bytes,
-       listener_ ? fmt::format("{} {}", row->name, describe(protocol::value_fields(*row), *values))
-                 : std::string());
+  log_.tell(WireEvent::Kind::kReply, bytes,
+            log_.has_listener()
+                ? fmt::format("{} {}", row->name, describe(protocol::value_fields(*row), *values))
+                : std::string());
   work_.at(port_.send(bytes));
 }
 
@@ -285,30 +285,6 @@ void Device::broadcast_due() {
 void Device::change(const md::Settings& settings) {
   parameters_.change(settings);
   takes_ = kWriteTime;
-}
-
-void Device::note_if_stored(const ParameterRow& row) {
-  if (!notes_ || noted_[row.id] || row.support != Support::kStored) return;
-  noted_.set(row.id);
-  notes_(fmt::format("{} ({}) is stored, but nothing acts on it", row.name, row.id));
-}
-
-void Device::tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes,
-                  std::string_view text) {
-  switch (kind) {
-    case WireEvent::Kind::kRequest:
-      ++counters_.requests;
-      break;
-    case WireEvent::Kind::kReply:
-      ++counters_.replies;
-      break;
-    case WireEvent::Kind::kBadFrame:
-      ++counters_.bad_frames;
-      break;
-    case WireEvent::Kind::kLost:
-      break;
-  }
-  if (listener_) listener_({kind, loop_.now(), bytes, text});
 }
 
 // --- Commands: the controller as a whole ---------------------------------------------------------

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -36,7 +35,7 @@ class Device final : public SerialReceiver {
          NoteListener notes = nullptr);
 
   void receive(std::uint8_t byte) override;
-  const WireCounters& counters() const { return counters_; }
+  const WireCounters& counters() const { return log_.counters(); }
   Parameters& parameters() { return parameters_; }
   std::uint8_t id() const { return static_cast<std::uint8_t>(controller_.settings().id); }
 
@@ -150,8 +149,6 @@ class Device final : public SerialReceiver {
   template <class Move>
   void for_meant(std::int64_t enable1, std::int64_t enable2, Move&& move);
   bool is_dual() const { return controller_.motors() > 1; }
-  void note_if_stored(const ParameterRow& row);
-  void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
 
   EventLoop& loop_;
   SerialPort& port_;
@@ -159,10 +156,7 @@ class Device final : public SerialReceiver {
   const ModelTable& table_;
   Parameters parameters_;
   DeviceOptions options_;
-  WireListener listener_;
-  NoteListener notes_;
-  std::bitset<256> noted_;
-  WireCounters counters_;
+  WireLog log_;
 
   Decoder decoder_{protocol::Direction::kRequest};
   SimTime heard_ = kSimStart;

@@ -62,12 +62,11 @@ Device::Device(EventLoop& loop, SerialPort& port, Firmware& firmware, NonVolatil
       firmware_(firmware),
       parameters_(firmware, memory),
       options_(options),
-      listener_(std::move(listener)),
-      notes_(std::move(notes)),
+      log_(loop, std::move(listener), std::move(notes)),
       answer_due_(loop.add(Phase::kDevice, [this] { answer(); })),
       answer_out_(loop.add(Phase::kDevice, [this] { listen_again(); })),
       silence_(loop.add(Phase::kDevice, [this] {
-        tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "cut short, given up");
+        log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "cut short, given up");
         decoder_.reset();
       })) {
   parameters_.restore();
@@ -99,8 +98,7 @@ void Device::keep_or_lose(std::uint8_t byte) {
     kept_.push_back(byte);
     return;
   }
-  ++counters_.bytes_lost;
-  tell(WireEvent::Kind::kLost, std::span(&byte, 1), "came while the drive was busy");
+  log_.tell(WireEvent::Kind::kLost, std::span(&byte, 1), "came while the drive was busy");
 }
 
 void Device::hear(std::uint8_t byte) {
@@ -116,23 +114,23 @@ void Device::hear(std::uint8_t byte) {
     case Event::kNone:
       return;
     case Event::kNoise:
-      tell(WireEvent::Kind::kBadFrame, std::span(&byte, 1), "outside of a telegram");
+      log_.tell(WireEvent::Kind::kBadFrame, std::span(&byte, 1), "outside of a telegram");
       return;
     case Event::kUnknownCommand:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown command, no answer");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown command, no answer");
       return;
     case Event::kBadEnd:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong end byte, no answer");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong end byte, no answer");
       return;
     case Event::kBadCrc:
-      tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong CRC");
+      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong CRC");
       break;
     case Event::kTelegram: {
       const Telegram& telegram = decoder_.telegram();
-      tell(WireEvent::Kind::kRequest, decoder_.bytes(),
-           listener_ ? fmt::format("{} {}", telegram.row->name,
-                                   describe(telegram.row->request, telegram.values))
-                     : std::string());
+      log_.tell(WireEvent::Kind::kRequest, decoder_.bytes(),
+                log_.has_listener() ? fmt::format("{} {}", telegram.row->name,
+                                                  describe(telegram.row->request, telegram.values))
+                                    : std::string());
       break;
     }
   }
@@ -159,11 +157,12 @@ void Device::answer_request() {
          outcome == Outcome::kRefused ? "Error refused" : "Error not ready");
     return;
   }
-  note_once(noted_commands_, request.row->code, request.row->name, request.row->support);
+  log_.note_use(request.row->name, request.row->support);
   reply.pad(request.row->reply);
   send(encode_reply(*request.row, reply),
-       listener_ ? fmt::format("{} {}", request.row->name, describe(request.row->reply, reply))
-                 : std::string());
+       log_.has_listener()
+           ? fmt::format("{} {}", request.row->name, describe(request.row->reply, reply))
+           : std::string());
 }
 
 Outcome Device::handle(const Telegram& request, Values& reply) {
@@ -178,7 +177,7 @@ Outcome Device::handle(const Telegram& request, Values& reply) {
 }
 
 void Device::send(const std::vector<std::uint8_t>& bytes, std::string_view text) {
-  tell(WireEvent::Kind::kReply, bytes, text);
+  log_.tell(WireEvent::Kind::kReply, bytes, text);
   answer_out_.at(port_.send(bytes));
 }
 
@@ -189,31 +188,6 @@ void Device::listen_again() {
     kept_.pop_front();
     hear(byte);
   }
-}
-
-void Device::note_once(std::bitset<256>& noted, std::uint16_t id, std::string_view name,
-                       Support support) {
-  if (!notes_ || support != Support::kStored || noted[id]) return;
-  noted.set(id);
-  notes_(fmt::format("{} ({:02X}) is stored, but nothing acts on it", name, id));
-}
-
-void Device::tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes,
-                  std::string_view text) {
-  switch (kind) {
-    case WireEvent::Kind::kRequest:
-      ++counters_.requests;
-      break;
-    case WireEvent::Kind::kReply:
-      ++counters_.replies;
-      break;
-    case WireEvent::Kind::kBadFrame:
-      ++counters_.bad_frames;
-      break;
-    case WireEvent::Kind::kLost:
-      break;
-  }
-  if (listener_) listener_({kind, loop_.now(), bytes, text});
 }
 
 // --- Commands ------------------------------------------------------------------------------------
@@ -303,7 +277,7 @@ Outcome Device::configure_stream(PowerBoard&, const Values& request, Values&) {
     scope.disable();
     return Outcome::kDone;
   }
-  if (!stream_ && notes_) notes_("ConfigureHsDSO (07) streams on a second line that is not wired");
+  if (!stream_) log_.note("ConfigureHsDSO streams on a second line that is not wired");
   return scope.enable(static_cast<std::size_t>(request[0]), static_cast<std::uint32_t>(request[2]),
                       static_cast<std::uint8_t>(request[3]));
 }
@@ -367,7 +341,7 @@ Outcome Device::write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value) {
   const Outcome outcome = parameters_.write(motor_nr, id, value);
   if (outcome == Outcome::kDone) {
     const ParameterRow& row = *protocol::find(kTable.parameters, id);
-    note_once(noted_parameters_, row.id, row.name, row.support);
+    log_.note_use(row.name, row.support);
   }
   return outcome;
 }

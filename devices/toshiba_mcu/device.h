@@ -5,7 +5,6 @@
 // ever for the rest of a telegram that was cut short.
 #pragma once
 
-#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -42,7 +41,7 @@ class Device final : public SerialReceiver {
   ~Device() override;
 
   void receive(std::uint8_t byte) override;
-  const WireCounters& counters() const { return counters_; }
+  const WireCounters& counters() const { return log_.counters(); }
   Parameters& parameters() { return parameters_; }
   /// What the second line carried; null without one.
   const HighSpeedStream* stream() const { return stream_ ? &*stream_ : nullptr; }
@@ -101,8 +100,6 @@ class Device final : public SerialReceiver {
   void send(const std::vector<std::uint8_t>& bytes, std::string_view text);
   void listen_again();
   Outcome write(std::uint8_t motor_nr, std::uint8_t id, UnitValue value);
-  void note_once(std::bitset<256>& noted, std::uint16_t id, std::string_view name, Support support);
-  void tell(WireEvent::Kind kind, std::span<const std::uint8_t> bytes, std::string_view text);
   PowerBoard* board(std::int64_t motor_nr);
 
   EventLoop& loop_;
@@ -110,12 +107,8 @@ class Device final : public SerialReceiver {
   Firmware& firmware_;
   Parameters parameters_;
   DeviceOptions options_;
-  WireListener listener_;
-  NoteListener notes_;
+  WireLog log_;
   std::optional<HighSpeedStream> stream_;
-  std::bitset<256> noted_parameters_;
-  std::bitset<256> noted_commands_;
-  WireCounters counters_;
 
   Decoder decoder_{Direction::kRequest};
   bool busy_ = false;

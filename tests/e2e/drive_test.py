@@ -585,7 +585,7 @@ class Parameters(DriveTest):
         host.set(MOTOR, mcu.POLE_PAIRS, 4)
         bench.stop()
         self.assertEqual(len(bench.notes), 1, bench.notes)
-        self.assertIn("CanId (57)", bench.notes[0])
+        self.assertIn("CanId is stored", bench.notes[0])
 
     def test_a_parameter_is_kept_per_motor(self):
         _, host = self.start_bench()

@@ -91,7 +91,6 @@ class TwoWheels(DriveTest):
         self.assertEqual(host.receive()[0], md.PNT_MAIN_DATA)
         self.wait_for("standstill", lambda: not any(w.rpm for w in self.wheels(host)))
         left, right = self.wheels(host)
-        time.sleep(0.1)
         report = self.bench_.stop()
         self.assertEqual((report["bad_frames"], report["bytes_lost_busy"]), (0, 0))
         columns = read_recording(recording)

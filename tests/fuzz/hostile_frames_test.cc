@@ -289,7 +289,6 @@ class HostileFrames : public testing::Test {
 TEST_F(HostileFrames, AreAnsweredAsTheDocumentSaysAndAGoodRequestAfterEachBurst) {
   Hostile hostile(Seed{1}.stream("hostile frames"));
   ASSERT_TRUE(hostile.has_vectors());
-  const auto begin = std::chrono::steady_clock::now();
   std::uint64_t bursts = 0;
   for (; frames_ < kFrames; ++bursts) {
     std::string wrong = burst(hostile);
@@ -300,11 +299,9 @@ TEST_F(HostileFrames, AreAnsweredAsTheDocumentSaysAndAGoodRequestAfterEachBurst)
   EXPECT_GT(counters.requests, frames_ / 10);
   EXPECT_GT(counters.bad_frames, frames_ / 10);
   EXPECT_GT(counters.bytes_lost, frames_ / 100);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  std::printf("%llu frames in %llu bursts, %llu requests taken: %.1f s, %.0f frames/s\n",
+  std::printf("%llu frames in %llu bursts, %llu requests taken\n",
               static_cast<unsigned long long>(frames_), static_cast<unsigned long long>(bursts),
-              static_cast<unsigned long long>(counters.requests), elapsed.count(),
-              static_cast<double>(frames_) / elapsed.count());
+              static_cast<unsigned long long>(counters.requests));
 }
 
 }  // namespace

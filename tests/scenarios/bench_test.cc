@@ -208,8 +208,10 @@ TEST(Bench, DrivesShareASupply) {
   bench.set("left.load1.brake_torque", 0.02);
   bench.run_for(4s);
   EXPECT_LT(bench.read("right.bus0.voltage"), 23.9);  // pulled down by the other's motor
-  EXPECT_EQ(bench.read("right.bus0.voltage"), bench.read("pack.link_voltage"));
-  EXPECT_NEAR(bench.read("pack.current"), (24 - bench.read("pack.link_voltage")) / 2, 1e-6);
+  EXPECT_EQ(bench.read("right.bus0.voltage"), bench.read("left.bus1.voltage"));
+  EXPECT_NEAR(bench.read("right.bus0.current"), (24 - bench.read("right.bus0.voltage")) / 2, 1e-6);
+  bench.set("pack.voltage", 20);
+  EXPECT_EQ(bench.read("left.supply2.voltage"), 20);
 }
 
 TEST(Bench, ALostPhaseHasItsName) {
@@ -299,6 +301,19 @@ TEST(BenchDrive, AResetLosesWhatWasNotStoredAndIsTold) {
   bench.drive().reset();
   EXPECT_EQ(host->get("ResetStatus").value, 1);
   EXPECT_EQ(bench.read("board1.temperature"), 60);  // the world around it does not start anew
+}
+
+TEST(BenchDrive, AResetCutsOffWhatItWasSaying) {
+  Bench bench({.drives = {{.kind = "toshiba-mcu"}}});
+  std::size_t heard = 0;
+  bench.line().on_host_byte([&](std::uint8_t, SimTime) { ++heard; });
+  const std::uint8_t version[] = {0x11, 0x14, 0x00, 0x6c, 0x13};
+  bench.line().host_send(version);
+  ASSERT_TRUE(bench.run_until(kSimStart + 10ms, [&] { return heard == 2; }));
+  bench.drive().reset();
+  bench.run_for(10ms);
+  EXPECT_LT(heard, 6U);
+  EXPECT_EQ(bench.host()->call("GetFWVersion", {0}), (protocol::Values{3, 10}));
 }
 
 TEST(HostClient, SpeaksTheWordsOfTheProtocol) {

@@ -218,8 +218,7 @@ TEST(Md485Device, WhatNothingActsOnIsNotedOnce) {
   rig.send(78, {1});
   rig.send(78, {0});
   rig.send(24, {1});
-  EXPECT_EQ(rig.notes,
-            (std::vector<std::string>{"PID_UI_COM (78) is stored, but nothing acts on it"}));
+  EXPECT_EQ(rig.notes, (std::vector<std::string>{"PID_UI_COM is stored, but nothing acts on it"}));
 }
 
 TEST(Md485Device, AStartUpAsHostsOfTodayDoItIsTaken) {
