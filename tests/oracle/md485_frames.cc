@@ -4,15 +4,14 @@
 //   reply acb701... bad_sum
 //
 // usage: virtdrive_md485_frames COUNT SEED
-#include <charconv>
 #include <cstring>
 #include <fmt/format.h>
 #include <string>
 #include <string_view>
 
-#include "core/random.h"
 #include "devices/md485/codec.h"
 #include "devices/md485/model_table.h"
+#include "tests/oracle/frames.h"
 
 namespace virtdrive::md485 {
 namespace {
@@ -22,17 +21,10 @@ using protocol::Values;
 
 constexpr std::uint8_t kHosts[] = {172, 184, 128};
 
-// Half of the bytes sit on an edge: signs, and what begins a frame.
-std::uint8_t random_byte(RandomStream& random) {
-  constexpr std::uint8_t kEdges[] = {0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF, kController, kHost};
-  const std::uint64_t bits = random.bits();
-  return (bits & 0x100) != 0 ? kEdges[bits % std::size(kEdges)] : static_cast<std::uint8_t>(bits);
-}
+constexpr std::uint8_t kMarks[] = {kController, kHost};
 
 Values random_values(std::span<const Field> fields, RandomStream& random) {
-  Bytes bytes(protocol::width(fields));
-  for (std::uint8_t& byte : bytes) byte = random_byte(random);
-  return protocol::unpack(fields, kTable.framing.order, bytes);
+  return virtdrive::random_values(fields, kTable.framing.order, kMarks, random);
 }
 
 // Each tenth frame is spoilt in one of three ways.
@@ -73,9 +65,7 @@ std::string decoded(protocol::Direction direction, std::uint8_t host, const Byte
         break;
     }
     const Frame& got = decoder.frame();
-    std::string text = fmt::format("frame {} {} {}", got.route.host, got.route.id, got.pid);
-    for (std::size_t i = 0; i < got.values.size(); ++i) text += fmt::format(" {}", got.values[i]);
-    return text;
+    return fmt::format("frame {} {} {}{}", got.route.host, got.route.id, got.pid, text(got.values));
   }
   return "incomplete";
 }
@@ -99,22 +89,9 @@ std::string line(RandomStream& random) {
                      decoded(direction, route.host, frame));
 }
 
-bool parse(std::string_view text, std::uint64_t& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
 }  // namespace
 }  // namespace virtdrive::md485
 
 int main(int argc, char** argv) {
-  std::uint64_t count = 0;
-  std::uint64_t seed = 0;
-  if (argc != 3 || !virtdrive::md485::parse(argv[1], count) ||
-      !virtdrive::md485::parse(argv[2], seed)) {
-    fmt::print(stderr, "usage: virtdrive_md485_frames COUNT SEED\n");
-    return 2;
-  }
-  virtdrive::RandomStream random = virtdrive::Seed{seed}.stream("frames");
-  for (std::uint64_t i = 0; i < count; ++i) fmt::print("{}", virtdrive::md485::line(random));
+  return virtdrive::print_frames(argc, argv, virtdrive::md485::line);
 }

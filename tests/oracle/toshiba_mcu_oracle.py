@@ -1,6 +1,6 @@
 """A second opinion on MCU Motor Studio's telegrams, frame by frame.
 
-usage: virtdrive_oracle_frames COUNT SEED | toshiba_mcu_oracle.py COUNT
+usage: virtdrive_toshiba_mcu_frames COUNT SEED | toshiba_mcu_oracle.py COUNT
 
 Each line holds a direction, a frame in hexadecimal, and what the program under test made of it.
 This decoder shares no table with that program: it is written from the maker's document ("Serial

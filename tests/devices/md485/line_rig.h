@@ -3,15 +3,14 @@
 #pragma once
 
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/nvm.h"
 #include "devices/host_transport.h"
 #include "devices/md485/device.h"
+#include "tests/devices/wire.h"
 #include "tests/firmware_models/md/rig.h"
 
 namespace virtdrive::md485 {
@@ -26,29 +25,15 @@ class LineRig final : public HostTransport {
       : rig(model),
         table(rig.model, profile),
         device(
-            rig.loop, port_, *rig.controller, table, memory, {},
+            rig.loop, wire_.port(), *rig.controller, table, memory, {},
             [this](const WireEvent& event) { log += std::string(event.text) + "\n"; },
-            [this](std::string_view note) { notes.emplace_back(note); }) {}
+            [this](std::string_view note) { notes.emplace_back(note); }) {
+    wire_.attach(device);
+  }
 
   // --- A host ---
-  void write(std::span<const std::uint8_t> bytes) override {
-    for (const std::uint8_t byte : bytes) {
-      rig.run_for(kCharacter);
-      device.receive(byte);
-    }
-  }
-  std::optional<std::uint8_t> read(SimDuration patience) override {
-    const SimTime until = rig.loop.now() + patience;
-    rig.loop.run_until(until, [&] { return !port_.said.empty(); });
-    if (port_.said.empty() || port_.said.front().first > until) {
-      rig.loop.run_until(until);
-      return std::nullopt;
-    }
-    const auto [time, byte] = port_.said.front();
-    rig.loop.run_until(std::max(time, rig.loop.now()));
-    port_.said.pop_front();
-    return byte;
-  }
+  void write(std::span<const std::uint8_t> bytes) override { wire_.write(bytes); }
+  std::optional<std::uint8_t> read(SimDuration patience) override { return wire_.read(patience); }
 
   /// All that is said within a time after these bytes.
   Bytes ask(const Bytes& bytes, SimDuration time = std::chrono::milliseconds(60)) {
@@ -80,24 +65,6 @@ class LineRig final : public HostTransport {
     return Bytes(reply.begin() + 5, reply.end() - 1);
   }
 
- private:
-  class Port final : public SerialPort {
-   public:
-    explicit Port(EventLoop& loop) : loop_(loop) {}
-    SimTime send(std::span<const std::uint8_t> bytes) override {
-      for (const std::uint8_t byte : bytes) {
-        free_ = std::max(free_, loop_.now()) + kCharacter;
-        said.emplace_back(free_, byte);
-      }
-      return free_;
-    }
-    std::deque<std::pair<SimTime, std::uint8_t>> said;
-
-   private:
-    EventLoop& loop_;
-    SimTime free_ = kSimStart;
-  };
-
  public:
   md::Rig rig;
   ModelTable table;
@@ -106,7 +73,7 @@ class LineRig final : public HostTransport {
   std::vector<std::string> notes;
 
  private:
-  Port port_{rig.loop};
+  Wire wire_{rig.loop, kCharacter};
 
  public:
   Device device;

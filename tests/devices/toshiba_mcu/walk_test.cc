@@ -1,7 +1,6 @@
 #include "devices/toshiba_mcu/walk.h"
 
 #include <algorithm>
-#include <deque>
 #include <fmt/format.h>
 #include <functional>
 #include <gtest/gtest.h>
@@ -11,6 +10,7 @@
 #include "devices/toshiba_mcu/codec.h"
 #include "devices/toshiba_mcu/device.h"
 #include "tests/devices/vectors.h"
+#include "tests/devices/wire.h"
 #include "tests/firmware_models/toshiba_mcu/rig.h"
 
 namespace virtdrive::toshiba_mcu {
@@ -23,55 +23,13 @@ using protocol::WalkReport;
 
 constexpr SimDuration kCharacter = 86'806ns;  // 10 bits at 115200 baud
 
-// The device's transmitter: each byte arrives when its last bit is out.
-class TimedPort final : public SerialPort {
- public:
-  explicit TimedPort(EventLoop& loop) : loop_(loop) {}
-  SimTime send(std::span<const std::uint8_t> bytes) override {
-    for (const std::uint8_t byte : bytes) {
-      free_ = std::max(free_, loop_.now()) + kCharacter;
-      said.emplace_back(free_, byte);
-    }
-    return free_;
-  }
-  std::deque<std::pair<SimTime, std::uint8_t>> said;
-
- private:
-  EventLoop& loop_;
-  SimTime free_ = kSimStart;
-};
-
-// The drive in this process, its host's patience counted in simulated time.
-class InProcess final : public HostTransport {
- public:
-  void write(std::span<const std::uint8_t> bytes) override {
-    for (const std::uint8_t byte : bytes) {
-      rig_.run_for(kCharacter);
-      device_.receive(byte);
-    }
-  }
-  std::optional<std::uint8_t> read(SimDuration patience) override {
-    const SimTime until = rig_.loop.now() + patience;
-    rig_.loop.run_until(until, [&] { return !port_.said.empty(); });
-    if (port_.said.empty()) {
-      rig_.loop.run_until(until);
-      return std::nullopt;
-    }
-    const auto [time, byte] = port_.said.front();
-    if (time > until) {
-      rig_.loop.run_until(until);
-      return std::nullopt;
-    }
-    rig_.loop.run_until(std::max(time, rig_.loop.now()));
-    port_.said.pop_front();
-    return byte;
-  }
-
- private:
-  Rig rig_;
-  TimedPort port_{rig_.loop};
-  MemoryInProcess memory_;
-  Device device_{rig_.loop, port_, rig_.firmware, memory_, DeviceOptions{}};
+// The drive in this process.
+struct InProcess {
+  InProcess() { wire.attach(device); }
+  Rig rig;
+  Wire wire{rig.loop, kCharacter};
+  MemoryInProcess memory;
+  Device device{rig.loop, wire.port(), rig.firmware, memory, DeviceOptions{}};
 };
 
 constexpr WalkOptions kOptions{
@@ -79,7 +37,7 @@ constexpr WalkOptions kOptions{
 
 TEST(ToshibaMcuWalk, TheDriveAnswersEveryRowAsTheTableSays) {
   InProcess drive;
-  const WalkReport report = protocol::walk(WalkDialect(), drive, kOptions);
+  const WalkReport report = protocol::walk(WalkDialect(), drive.wire, kOptions);
   EXPECT_EQ(report.failures(), 0U) << text(report);
   EXPECT_TRUE(report.skipped.empty());
   EXPECT_FALSE(report.given_up);
@@ -104,7 +62,7 @@ TEST(ToshibaMcuWalk, EveryChannelPasses) {
     InProcess drive;
     WalkOptions options = kOptions;
     options.channel = static_cast<std::uint8_t>(channel);
-    const WalkReport report = protocol::walk(WalkDialect(), drive, options);
+    const WalkReport report = protocol::walk(WalkDialect(), drive.wire, options);
     EXPECT_EQ(report.failures(), 0U) << text(report);
   }
 }
@@ -124,10 +82,10 @@ class Broken final : public HostTransport {
     if (instead)
       said_.insert(said_.end(), instead->begin(), instead->end());
     else
-      drive_.write(bytes);
+      drive_.wire.write(bytes);
   }
   std::optional<std::uint8_t> read(SimDuration patience) override {
-    if (said_.empty()) return drive_.read(patience);
+    if (said_.empty()) return drive_.wire.read(patience);
     const std::uint8_t byte = said_.front();
     said_.pop_front();
     return byte;

@@ -3,16 +3,15 @@
 //   request 1100010713 telegram 0 1
 //   reply 11ee01 ... bad_crc
 //
-// usage: virtdrive_oracle_frames COUNT SEED
-#include <charconv>
+// usage: virtdrive_toshiba_mcu_frames COUNT SEED
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
 #include <string>
 #include <string_view>
 
-#include "core/random.h"
 #include "devices/toshiba_mcu/codec.h"
+#include "tests/oracle/frames.h"
 
 namespace virtdrive::toshiba_mcu {
 namespace {
@@ -20,17 +19,10 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using protocol::Values;
 
-// Half of the bytes are such as sit on an edge: signs, starts and ends in the payload.
-std::uint8_t random_byte(RandomStream& random) {
-  constexpr std::uint8_t kEdges[] = {0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF, kBot, kEot};
-  const std::uint64_t bits = random.bits();
-  return (bits & 0x100) != 0 ? kEdges[bits % std::size(kEdges)] : static_cast<std::uint8_t>(bits);
-}
+constexpr std::uint8_t kMarks[] = {kBot, kEot};
 
 Values random_values(std::span<const Field> fields, RandomStream& random) {
-  Bytes bytes(protocol::width(fields));
-  for (std::uint8_t& byte : bytes) byte = random_byte(random);
-  return protocol::unpack(fields, kTable.framing.order, bytes);
+  return virtdrive::random_values(fields, kTable.framing.order, kMarks, random);
 }
 
 // Each tenth frame is spoilt in one of five ways.
@@ -78,11 +70,7 @@ std::string decoded(Direction direction, const Bytes& frame) {
         break;
     }
     const Telegram& telegram = decoder.telegram();
-    std::string text = fmt::format("telegram {}", telegram.row->code);
-    for (std::size_t i = 0; i < telegram.values.size(); ++i) {
-      text += fmt::format(" {}", telegram.values[i]);
-    }
-    return text;
+    return fmt::format("telegram {}{}", telegram.row->code, text(telegram.values));
   }
   return "incomplete";
 }
@@ -99,24 +87,9 @@ std::string line(RandomStream& random) {
                      decoded(request ? Direction::kRequest : Direction::kReply, frame));
 }
 
-bool parse(std::string_view text, std::uint64_t& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
 }  // namespace
 }  // namespace virtdrive::toshiba_mcu
 
 int main(int argc, char** argv) {
-  std::uint64_t count = 0;
-  std::uint64_t seed = 0;
-  if (argc != 3 || !virtdrive::toshiba_mcu::parse(argv[1], count) ||
-      !virtdrive::toshiba_mcu::parse(argv[2], seed)) {
-    fmt::print(stderr, "usage: virtdrive_oracle_frames COUNT SEED\n");
-    return 2;
-  }
-  virtdrive::RandomStream random = virtdrive::Seed{seed}.stream("frames");
-  for (std::uint64_t i = 0; i < count; ++i) {
-    fmt::print("{}", virtdrive::toshiba_mcu::line(random));
-  }
+  return virtdrive::print_frames(argc, argv, virtdrive::toshiba_mcu::line);
 }
