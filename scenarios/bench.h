@@ -104,7 +104,6 @@ class Bench {
   };
 
   void add_line(const LineSpec& spec, const BenchOptions& options);
-  void register_line(const std::string& name, SerialLine& line);
   void add_supply(const SupplySpec& spec, Integrator integrator);
   std::optional<DcBus> supply_of(const DriveSpec& spec);
   void add_drive(const DriveSpec& spec, const BenchOptions& options);

@@ -49,6 +49,10 @@ int MotorChannel::counts_per_turn() const {
              : hall_counts_per_turn(settings_.hall_type);
 }
 
+double MotorChannel::rpm_per_count() const {
+  return 60.0 / counts_per_turn();
+}
+
 double MotorChannel::clamped_rpm(double rpm) const {
   const double most = settings_.max_rpm;
   const double within = std::clamp(rpm, -most, most);
@@ -270,7 +274,10 @@ bool MotorChannel::stopped_by_current() {
 void MotorChannel::finish() {
   switch (settings_.zero_vel_ctrl) {
     case 1:
-      if (!holding_) integral_ = 0;
+      if (!holding_) {
+        integral_ = 0;
+        goal_ = now_.counts + offset_;
+      }
       holding_ = true;
       mode_ = Mode::kSpeed;
       target_ = reference_ = 0;
@@ -298,9 +305,10 @@ void MotorChannel::control_speed() {
   if (stopped_by_limit(reference_) || stopped_by_current()) return;
   if (target_ == 0 && reference_ == 0 && !holding_ && slow()) finish();
   if (mode_ != Mode::kSpeed) return;
+  if (holding_) return hold();
 
   regulate_speed(reference_, false);
-  const bool only_driving = settings_.regeneration == 0 && !holding_;
+  const bool only_driving = settings_.regeneration == 0;
   if (only_driving && (reference_ == 0 || output_ * reference_ <= 0)) {
     if (reference_ == 0 || integral_ * reference_ < 0) integral_ = 0;
     output_ = 0;
@@ -310,8 +318,17 @@ void MotorChannel::control_speed() {
   drive(output_, only_driving);
 }
 
+// The servo lock: back to where the motor came to rest. Within a count nothing is integrated: an
+// integral of what single Hall edges tell of the speed would swing from edge to edge for ever.
+void MotorChannel::hold() {
+  const double error = static_cast<double>(goal_ - (now_.counts + offset_));
+  const double wanted = settings_.pv_gain / 10.0 * error * rpm_per_count();
+  const double most = settings_.max_rpm;
+  regulate_speed(std::clamp(wanted, -most, most), std::fabs(error) <= 1);
+  drive(output_, false);
+}
+
 void MotorChannel::control_position() {
-  const double rpm_per_count = 60.0 / counts_per_turn();  // of a speed in counts/s
   const std::int64_t here = now_.counts + offset_;
   const double error = static_cast<double>(goal_ - here);
   const double window = std::max(1, settings_.in_position);
@@ -327,7 +344,7 @@ void MotorChannel::control_position() {
   // v = min(Kv |e|, sqrt(2 d |e|), v_max), its growth limited to a; all in rpm.
   const double up = ramp_step(settings_.posi_ss, settings_.max_rpm, 0);
   const double slope = ramp_step(settings_.posi_sd, settings_.max_rpm, 0) / kTickS;  // rpm/s
-  const double distance = std::fabs(error) * rpm_per_count;
+  const double distance = std::fabs(error) * rpm_per_count();
   const double fastest =
       std::min({settings_.pv_gain / 10.0 * distance, std::sqrt(2 * slope * distance), goal_rpm_});
   const double wanted = std::copysign(fastest, error);

@@ -79,6 +79,7 @@ class MotorChannel {
   bool in_position() const { return in_position_; }
   bool alarmed() const { return protections_.status() != 0; }
   int counts_per_turn() const;
+  double rpm_per_count() const;  // of a speed in counts/s
 
  private:
   enum class Mode : std::uint8_t { kFree, kShort, kSpeed, kPosition, kOpenLoop, kTorque };
@@ -93,6 +94,7 @@ class MotorChannel {
 
   void control();
   void control_speed();
+  void hold();
   void control_position();
   void control_open_loop();
   void control_torque();

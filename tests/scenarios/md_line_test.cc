@@ -85,6 +85,24 @@ TEST(MdLine, APowerCycleForgetsWhatIsNotInTheFlash) {
   EXPECT_EQ(host->get("MAIN_DATA.position").value, 0);
 }
 
+TEST(MdServoLock, ComesToRestWhateverTheRotorsAngleAtTheStop) {
+  for (int i = 0; i < 12; ++i) {
+    Bench bench({.drives = {{.kind = "md200t"}}, .integrator = Integrator::kFast});
+    LineTransport transport(bench.loop(), bench.line());
+    Client host(transport);
+    host.command(command(207), {1, -120, 1, 80, 0});
+    bench.run_for(2s + i * 7ms);
+    host.command(command(207), {1, 0, 1, 0, 0});
+    bench.run_for(4s);
+    const double angle = bench.read("motor0.angle");
+    bench.run_for(2s);
+    EXPECT_NEAR(bench.read("motor0.angle"), angle, 0.1) << i;
+    EXPECT_EQ(bench.read("drive0.speed"), 0) << i;
+    EXPECT_EQ(bench.read("drive1.speed"), 0) << i;
+    EXPECT_EQ(bench.read("drive0.control_type"), 1) << i;  // held, not let go
+  }
+}
+
 TEST(MdLine, WrongWordsAreNamed) {
   const auto refused = [](const char* assignment, const char* part) {
     try {
