@@ -1,5 +1,5 @@
 // A serial port as a host program has it: the other side of what this project emulates. For our own
-// client and for tests; works on a real serial port too.
+// clients and for tests; works on a real serial port too, and on a port behind TCP.
 #pragma once
 
 #include <chrono>
@@ -12,13 +12,17 @@
 
 #include "devices/host_transport.h"
 #include "pty/file_descriptor.h"
+#include "pty/tty_settings.h"
 
 namespace virtdrive {
 
 class HostPort final : public HostTransport {
  public:
-  /// Opens `path` raw, 8N1, at `baud` bit/s. SetupError if it cannot be opened or is no terminal.
-  HostPort(const std::string& path, int baud);
+  /// Opens `address`, the path of a terminal, raw and set so, or "tcp://HOST:PORT", where bytes are
+  /// all there is. SetupError if it cannot be opened or is no terminal.
+  HostPort(const std::string& address, const TtySettings& settings);
+  /// 8N1.
+  HostPort(const std::string& address, int baud) : HostPort(address, TtySettings{.baud = baud}) {}
 
   /// Writes all bytes. SetupError if the port takes none for a second, or is gone.
   void write(std::span<const std::uint8_t> bytes) override;
@@ -29,11 +33,14 @@ class HostPort final : public HostTransport {
   /// The next byte, of the wall clock's time.
   std::optional<std::uint8_t> read(SimDuration patience) override;
 
-  int fd() const { return tty_.get(); }
+  /// Once what was written has left; nothing to do behind TCP. SetupError if it cannot be set so.
+  void set(const TtySettings& settings);
+
+  int fd() const { return port_.get(); }
 
  private:
-  std::string path_;
-  FileDescriptor tty_;
+  std::string address_;
+  FileDescriptor port_;
 };
 
 }  // namespace virtdrive

@@ -98,6 +98,10 @@ void restore_settings(int fd, const std::shared_ptr<const termios2>& saved) {
   if (saved) ioctl(fd, TCSETS2, saved.get());
 }
 
+void drain(int fd) {
+  ioctl(fd, TCSBRK, 1);  // what tcdrain() is
+}
+
 void discard_unread(int fd) {
   ioctl(fd, TCFLSH, TCIFLUSH);
 }

@@ -43,6 +43,8 @@ std::shared_ptr<const termios2> save_settings(int fd);
 /// Sets it back at once. Does nothing with nothing.
 void restore_settings(int fd, const std::shared_ptr<const termios2>& saved);
 
+/// Waits until all that was written to the terminal has left.
+void drain(int fd);
 /// Throws away what the terminal's user has not read yet.
 void discard_unread(int fd);
 

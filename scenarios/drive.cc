@@ -28,4 +28,12 @@ const DriveKind& find_drive(std::string_view name) {
                    " ('virtdrive list drives' shows them all)");
 }
 
+const DriveKind& find_protocol(std::string_view name) {
+  const auto speaks = [&](const DriveKind& kind) { return kind.table.name == name; };
+  const auto& kinds = drive_catalogue();
+  if (std::ranges::find(kinds, name, &DriveKind::name) != kinds.end()) return find_drive(name);
+  const auto it = std::ranges::find_if(kinds, speaks);
+  return it != kinds.end() ? *it : find_drive(name);
+}
+
 }  // namespace virtdrive

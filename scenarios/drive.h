@@ -87,5 +87,7 @@ struct DriveKind {
 const std::vector<DriveKind>& drive_catalogue();
 /// SetupError with the nearest names for an unknown one.
 const DriveKind& find_drive(std::string_view name);
+/// The drive of this name, or else the first one that speaks the protocol of this name.
+const DriveKind& find_protocol(std::string_view name);
 
 }  // namespace virtdrive

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <fmt/format.h>
 #include <string>
 #include <string_view>
 
@@ -27,6 +28,11 @@ class HostClient {
   virtual Reading get(std::string_view parameter) = 0;
   /// "[CHANNEL.]NAME=VALUE[UNIT]", e.g. "IqStart=1200mA".
   virtual void set(std::string_view assignment) = 0;
+  /// What set() would have to be given behind the "=" to write what the drive has now.
+  virtual std::string setting(std::string_view parameter) {
+    const Reading now = get(parameter);
+    return fmt::format("{}{}", now.value, now.unit);
+  }
 
   virtual void start_motor(std::size_t channel, double rpm) = 0;
   virtual void stop_motor(std::size_t channel) = 0;

@@ -80,7 +80,8 @@ class GivenFiles {
 // Holds what the drives say on one line against the recording.
 class Comparison {
  public:
-  explicit Comparison(const RecordedLine& line) : name_(line.name) {}
+  Comparison(const RecordedLine& line, SimDuration tolerance)
+      : name_(line.name), tolerance_(tolerance) {}
 
   void expect(const RecordedPacket& packet) { expected_.push_back(&packet); }
 
@@ -89,7 +90,8 @@ class Comparison {
       if (divergence_) return;
       if (!left()) return extra(packet, byte);
       const RecordedPacket& recorded = *expected_[packet_];
-      if (recorded.bytes[byte_] != byte.byte || recorded.last_bits[byte_] != byte.end) {
+      if (recorded.bytes[byte_] != byte.byte ||
+          std::chrono::abs(recorded.last_bits[byte_] - byte.end) > tolerance_) {
         diverge(next_expected(), heard(packet, byte));
         return;
       }
@@ -129,6 +131,7 @@ class Comparison {
   }
 
   std::string name_;
+  SimDuration tolerance_;
   std::vector<const RecordedPacket*> expected_;
   std::size_t packet_ = 0;  // of expected_, and the byte in it, that come next
   std::size_t byte_ = 0;
@@ -140,8 +143,9 @@ class Comparison {
 class Comparisons final : public WireSink {
  public:
   /// Calls `diverged` at the first divergence.
-  Comparisons(const WireRecording& recording, std::function<void()> diverged)
-      : diverged_(std::move(diverged)), lines_(recording.lines.begin(), recording.lines.end()) {
+  Comparisons(const WireRecording& recording, SimDuration tolerance, std::function<void()> diverged)
+      : diverged_(std::move(diverged)) {
+    for (const RecordedLine& line : recording.lines) lines_.emplace_back(line, tolerance);
     for (const RecordedPacket& packet : recording.packets) {
       if (packet.direction == Direction::kReply) lines_[packet.line].expect(packet);
     }
@@ -224,7 +228,7 @@ ReplayResult replay(const WireRecording& recording, const std::string& name,
                     [](SimTime, auto) {});
   }
   bool over = false;
-  Comparisons comparisons(recording, [&] {
+  Comparisons comparisons(recording, options.tolerance, [&] {
     if (!options.wire.empty()) return;
     over = true;
     bench.loop().stop();

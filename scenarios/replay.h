@@ -19,7 +19,10 @@ struct ReplayOptions {
   std::string load = {};  // empty: as recorded
   std::optional<std::uint64_t> seed = {};
   std::vector<std::string> set = {};  // written after the recorded ones
-  std::string wire = {};              // file of a new recording; empty: none
+  /// By how much a byte may come earlier or later than recorded; a recording of real hardware has
+  /// its adapter's delays in it.
+  SimDuration tolerance{};
+  std::string wire = {};  // file of a new recording; empty: none
   NoteListener notes = {};
 };
 

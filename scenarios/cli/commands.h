@@ -78,6 +78,33 @@ struct CtlOptions {
 /// kExitFailed if the bench refuses.
 int ctl(const CtlOptions& options);
 
+struct MonitorOptions {
+  std::string file;              // a recording, a pipe that one is written to, or "-"; or else
+  std::vector<std::string> tap;  // the device's port and the host's
+  std::string protocol;          // of a tap
+  std::optional<int> baud;       // none: the protocol's
+  Parity parity = Parity::kNone;
+  std::string wire;  // recording of a tap; empty: none
+  std::string color = "auto";
+  bool json = false;
+};
+int monitor(const MonitorOptions& options);
+
+struct HostOptions {
+  std::string port;      // a terminal, or tcp://HOST:PORT
+  std::string protocol;  // of a drive's, or a drive
+  std::string action;
+  std::vector<std::string> arguments;
+  std::vector<std::string> channels;  // none: the protocol's default one
+  std::optional<int> baud;            // none: the protocol's
+  Parity parity = Parity::kNone;
+  double every_s = 0.5;
+  std::uint64_t count = 0;  // of a watch; 0: until it is ended
+  bool json = false;
+};
+/// kExitFailed if the drive refuses, is silent, or is not as the dump says.
+int host(const HostOptions& options);
+
 /// The JSON schema of scenario files.
 int print_schema();
 

@@ -170,8 +170,17 @@ void add_replay(CLI::App& app, std::function<int()>& action) {
       ->add_option("--set", options.set,
                    "[CHANNEL.]PARAMETER=VALUE[UNIT], beside the recorded ones; may be repeated")
       ->allow_extra_args(false);
+  auto tolerance_ms = std::make_shared<double>(0);
+  command
+      ->add_option("--tolerance", *tolerance_ms,
+                   "Milliseconds by which a byte may come earlier or later than recorded")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   command->add_flag("--json", replayed->json, "The result as a line of JSON");
-  command->callback([replayed, &action] { action = [replayed] { return replay(*replayed); }; });
+  command->callback([replayed, tolerance_ms, &action] {
+    replayed->options.tolerance = from_seconds(*tolerance_ms / 1e3);
+    action = [replayed] { return replay(*replayed); };
+  });
 }
 
 void add_list(CLI::App& app, std::function<int()>& action) {
@@ -274,6 +283,85 @@ void add_ctl(CLI::App& app, std::function<int()>& action) {
   command->callback([options, &action] { action = [options] { return ctl(*options); }; });
 }
 
+// How a real line is set; `parity` is to be read once the words have been.
+struct ParityWord {
+  std::string word = "none";
+  Parity value() const {
+    return word == "none" ? Parity::kNone : word == "even" ? Parity::kEven : Parity::kOdd;
+  }
+};
+
+void add_line_options(CLI::App& command, std::optional<int>& baud, ParityWord& parity) {
+  command.add_option("--baud", baud, "The line's baud rate, if not the protocol's own")
+      ->check(CLI::Range(50, 12'000'000));
+  command.add_option("--parity", parity.word, "The line's parity")
+      ->check(CLI::IsMember({"none", "even", "odd"}))
+      ->capture_default_str();
+}
+
+void add_monitor(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand(
+      "monitor", "Show what passes on a line, decoded: of a recording, or between host and device");
+  auto options = std::make_shared<MonitorOptions>();
+  auto parity = std::make_shared<ParityWord>();
+  command->add_option("FILE", options->file,
+                      "A recording of 'run --wire', also one that is being written to a pipe; -: "
+                      "standard input");
+  command
+      ->add_option("--tap", options->tap,
+                   "DEVICE HOST: sit between a device's port (or tcp://HOST:PORT) and the host's, "
+                   "a serial port or a terminal to be made under this name")
+      ->expected(2);
+  command->add_option("--protocol", options->protocol,
+                      "What a tapped device speaks: a drive of 'virtdrive list drives', or its "
+                      "protocol");
+  add_line_options(*command, options->baud, *parity);
+  command->add_option("--wire", options->wire, "Record what passes the tap to this pcapng file")
+      ->check(not_empty());
+  command->add_option("--color", options->color, "Colours")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "A line of JSON for each packet");
+  command->callback([options, parity, &action] {
+    options->parity = parity->value();
+    action = [options] { return monitor(*options); };
+  });
+}
+
+void add_host(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command =
+      app.add_subcommand("host", "Talk to a drive, emulated or real, in the words of its protocol");
+  auto options = std::make_shared<HostOptions>();
+  auto parity = std::make_shared<ParityWord>();
+  command->add_option("PORT", options->port, "A serial port, or tcp://HOST:PORT")->required();
+  command
+      ->add_option(
+          "ACTION", options->action,
+          "get NAME..., set NAME=VALUE..., call COMMAND [FIELD=VALUE...], start RPM, stop, "
+          "watch NAME..., dump [FILE], restore FILE, diff FILE [FILE]")
+      ->required();
+  command->add_option("ARGUMENT", options->arguments, "As above");
+  command
+      ->add_option("--protocol", options->protocol,
+                   "What it speaks: a drive of 'virtdrive list drives', or its protocol")
+      ->required();
+  add_line_options(*command, options->baud, *parity);
+  command
+      ->add_option("--channel", options->channels,
+                   "The motor's number; of a dump, as many as there are (0,1,2)")
+      ->delimiter(',');
+  command->add_option("--every", options->every_s, "Seconds between two looks of a watch")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--count", options->count, "Looks of a watch; 0: until Ctrl-C")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Values as JSON, a line each");
+  command->callback([options, parity, &action] {
+    options->parity = parity->value();
+    action = [options] { return host(*options); };
+  });
+}
+
 void add_schema(CLI::App& app, std::function<int()>& action) {
   app.add_subcommand("schema", "Print the JSON schema of scenario files, for editors")
       ->callback([&action] { action = print_schema; });
@@ -336,6 +424,8 @@ int run_program(int argc, char** argv) {
   add_replay(app, action);
   add_test(app, action);
   add_ctl(app, action);
+  add_monitor(app, action);
+  add_host(app, action);
   add_list(app, action);
   add_motor(app, action);
   add_schema(app, action);

@@ -93,6 +93,14 @@ class MdHost final : public HostClient {
     }
     client_.write(*parsed.row, values);
   }
+  std::string setting(std::string_view parameter) override {
+    const protocol::Values values = client_.read(row_named(kTable.parameters, "PID", parameter));
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      text += fmt::format("{}{}", i == 0 ? "" : ",", values[i]);
+    }
+    return text;
+  }
   void start_motor(std::size_t channel, double rpm) override {
     const std::int64_t speed = std::lround(rpm);
     if (channel == 0)

@@ -100,6 +100,11 @@ class ToshibaMcuHost final : public HostClient {
     const auto [channel, row, value] = parse_toshiba_mcu_assignment(assignment);
     client_.set(motor_nr(channel.value_or(kDefaultChannel)), row->name, value);
   }
+  std::string setting(std::string_view parameter) override {
+    const auto [channel, row] = parse_name(parameter, parameter);
+    const UnitValue read = client_.get(motor_nr(channel.value_or(kDefaultChannel)), row->name);
+    return fmt::format("{}{}", read.value, row->units.empty() ? "" : unit_text(*row, read.unit));
+  }
   void start_motor(std::size_t channel, double rpm) override {
     client_.set(motor_nr(channel), "Speed", {static_cast<std::int32_t>(std::lround(rpm)), 0});
     client_.start_motor(motor_nr(channel));

@@ -4,11 +4,14 @@
 #include <cerrno>
 #include <concepts>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
+#include <unistd.h>
+#include <utility>
 
 #include "core/check.h"
+#include "pty/file_descriptor.h"
 #include "scenarios/recording/wire_format.h"
 
 namespace virtdrive {
@@ -18,6 +21,7 @@ using namespace wire_format;
 using protocol::Direction;
 
 constexpr std::size_t kLongestFile = std::size_t{1} << 30;
+constexpr std::string_view kStandardInput = "-";
 constexpr std::size_t kBlockFrame = 12;  // type, length, length
 constexpr std::int64_t kHighestHostBaud = 100'000'000;
 
@@ -86,6 +90,29 @@ std::string as_string(std::span<const std::uint8_t> bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
+// As wire_file.cc sets them: one of these at the most, and kSymbolError beside it.
+protocol::Verdict verdict_of(std::uint32_t flags) {
+  using protocol::Verdict;
+  if ((flags & kCrcError) != 0) return Verdict::kBadChecksum;
+  if ((flags & kUnaligned) != 0) return Verdict::kMalformed;
+  if ((flags & kStartError) != 0) return Verdict::kNoise;
+  if ((flags & kTooShort) != 0) return Verdict::kCutShort;
+  return Verdict::kFrame;
+}
+
+SetupError cannot_read(const std::string& path) {
+  return SetupError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+}
+
+FileDescriptor open_file(const std::string& path) {
+  if (path == kStandardInput) return FileDescriptor{dup(STDIN_FILENO)};
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw SetupError(fmt::format("{}: is a folder; expected a recording of 'run --wire'", path));
+  }
+  return FileDescriptor{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+}
+
 // Calls take(code, value) for each option.
 template <class Take>
 void read_options(Cursor& cursor, Take take) {
@@ -98,15 +125,28 @@ void read_options(Cursor& cursor, Take take) {
   }
 }
 
+// Takes the file in pieces; what is not a whole block yet is held.
 class Parser {
  public:
-  Parser(std::span<const std::uint8_t> bytes, std::string_view name) : name_(name), bytes_(bytes) {}
+  explicit Parser(std::string_view name, PacketListener listener = {})
+      : name_(name), listener_(std::move(listener)) {}
 
-  WireRecording parse() {
-    begin();
-    while (offset_ < bytes_.size() && next_block()) {
-    }
-    if (!ended_ && recording_.cut_short.empty()) {
+  void feed(std::span<const std::uint8_t> bytes) {
+    held_.insert(held_.end(), bytes.begin(), bytes.end());
+    if (!begun_ && held_.size() < kBlockFrame) return;
+    if (!begun_) begin();
+    std::size_t taken = 0;
+    while (const std::size_t length = next_block(std::span(held_).subspan(taken))) taken += length;
+    held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(taken));
+  }
+
+  /// There is no more.
+  WireRecording finish() {
+    if (!begun_) begin();
+    if (offset_ == 0) throw SetupError(cut_in_a_block());
+    if (!held_.empty()) {
+      recording_.cut_short = cut_in_a_block();
+    } else if (!ended_) {
       recording_.cut_short = fmt::format("{}: has no end: the program was killed", name_);
     }
     if (!ended_) recording_.end = latest_;
@@ -114,48 +154,50 @@ class Parser {
   }
 
  private:
-  std::uint32_t number_at(std::size_t at) const {
-    Cursor cursor(name_, bytes_.subspan(at), at);
+  std::uint32_t number_at(std::span<const std::uint8_t> bytes, std::size_t at) const {
+    Cursor cursor(name_, bytes.subspan(at), offset_ + at);
     return cursor.number<std::uint32_t>();
+  }
+
+  SetupError other(std::string_view what) const {
+    return SetupError(fmt::format("{}: {}; expected a recording of 'run --wire'", name_, what));
   }
 
   // A section of ours comes first, or this is something else.
   void begin() {
-    const auto other = [&](std::string_view what) {
-      return SetupError(fmt::format("{}: {}; expected a recording of 'run --wire'", name_, what));
-    };
-    if (bytes_.size() < kBlockFrame || number_at(0) != kSection) throw other("is no pcapng file");
-    if (number_at(8) != kByteOrderMagic) throw other("is a pcapng file of another byte order");
-    if (!next_block()) throw SetupError(recording_.cut_short);
-    if (recording_.bench.empty()) {
-      throw other("is a pcapng file that does not say what bench it is of");
+    if (held_.size() < kBlockFrame || number_at(held_, 0) != kSection) {
+      throw other("is no pcapng file");
     }
+    if (number_at(held_, 8) != kByteOrderMagic) {
+      throw other("is a pcapng file of another byte order");
+    }
+    begun_ = true;
   }
 
-  // False at a block that is not whole.
-  bool next_block() {
-    const std::size_t left = bytes_.size() - offset_;
-    if (left < kBlockFrame) return cut();
-    const std::uint32_t type = number_at(offset_);
-    const std::uint32_t length = number_at(offset_ + 4);
-    Cursor cursor(name_, bytes_.subspan(offset_), offset_);
+  /// The length of the block that `bytes` begin with; 0: it is not whole.
+  std::size_t next_block(std::span<const std::uint8_t> bytes) {
+    if (bytes.size() < kBlockFrame) return 0;
+    const std::uint32_t type = number_at(bytes, 0);
+    const std::uint32_t length = number_at(bytes, 4);
+    Cursor cursor(name_, bytes, offset_);
     if (length < kBlockFrame || length % 4 != 0 || length > kLongestBlock) {
       cursor.fail(fmt::format("a block of {} bytes", length));
     }
-    if (length > left) return cut();
-    if (number_at(offset_ + length - 4) != length) {
+    if (length > bytes.size()) return 0;
+    if (number_at(bytes, length - 4) != length) {
       cursor.fail("the block's two lengths are not the same");
     }
     cursor.take(8);
     block(type, cursor.part(length - kBlockFrame));
+    if (recording_.bench.empty()) {
+      throw other("is a pcapng file that does not say what bench it is of");
+    }
     offset_ += length;
-    return true;
+    return length;
   }
 
-  bool cut() {
-    recording_.cut_short =
-        fmt::format("{}: ends in the middle of a block at offset {}", name_, offset_);
-    return false;
+  std::string cut_in_a_block() const {
+    return fmt::format("{}: ends in the middle of a block at offset {}", name_, offset_);
   }
 
   void block(std::uint32_t type, Cursor cursor) {
@@ -227,17 +269,23 @@ class Parser {
     const auto bytes = cursor.take(size);
     packet.bytes.assign(bytes.begin(), bytes.end());
     cursor.skip_padding(size);
-    std::uint32_t direction = 0;
+    std::uint32_t flags = 0;
     read_options(cursor, [&](std::uint16_t code, Cursor value) {
       if (code == kComment) packet.comment = as_string(value.take(value.left()));
-      if (code == kPacketFlags) direction = value.number<std::uint32_t>() & kDirections;
+      if (code == kPacketFlags) flags = value.number<std::uint32_t>();
       if (code == kByteTimes) packet.last_bits = byte_times(value, first, size);
     });
+    const std::uint32_t direction = flags & kDirections;
     if (direction != kInbound && direction != kOutbound) cursor.fail("a packet without direction");
     if (packet.last_bits.empty()) cursor.fail("a packet without the times of its bytes");
     packet.direction = direction == kInbound ? Direction::kRequest : Direction::kReply;
+    packet.verdict = verdict_of(flags);
+    packet.first_bit = kSimStart + SimDuration{static_cast<std::int64_t>(first)};
     latest_ = std::max(latest_, packet.last_bits.back());
-    recording_.packets.push_back(std::move(packet));
+    if (listener_)
+      listener_(recording_, packet);
+    else
+      recording_.packets.push_back(std::move(packet));
   }
 
   static std::vector<SimTime> byte_times(Cursor value, std::uint64_t first, std::size_t count) {
@@ -294,40 +342,48 @@ class Parser {
   }
 
   std::string_view name_;
-  std::span<const std::uint8_t> bytes_;
-  std::size_t offset_ = 0;
+  PacketListener listener_;
+  std::vector<std::uint8_t> held_;
+  std::size_t offset_ = 0;  // of what is held
+  bool begun_ = false;
   WireRecording recording_;
   SimTime latest_ = kSimStart;
   bool ended_ = false;
 };
 
+WireRecording read(const std::string& path, const PacketListener& listener) {
+  const FileDescriptor file = open_file(path);
+  if (!file) throw cannot_read(path);
+  const std::string name = path == kStandardInput ? "standard input" : path;
+  Parser parser(name, listener);
+  std::vector<std::uint8_t> piece(1 << 16);
+  for (std::size_t all = 0;;) {
+    const ssize_t count = ::read(file.get(), piece.data(), piece.size());
+    if (count == 0) return parser.finish();
+    if (count < 0 && errno != EINTR) throw cannot_read(name);
+    if (count < 0) continue;
+    all += static_cast<std::size_t>(count);
+    if (!listener && all > kLongestFile) {
+      throw SetupError(fmt::format("{}: is larger than {} bytes", name, kLongestFile));
+    }
+    parser.feed(std::span(piece).first(static_cast<std::size_t>(count)));
+  }
+}
+
 }  // namespace
 
 WireRecording parse_wire_recording(std::span<const std::uint8_t> bytes, std::string_view name) {
-  return Parser(bytes, name).parse();
+  Parser parser(name);
+  parser.feed(bytes);
+  return parser.finish();
 }
 
 WireRecording read_wire_recording(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw SetupError(fmt::format("{}: is a folder; expected a recording of 'run --wire'", path));
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw SetupError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  }
-  std::vector<std::uint8_t> bytes;
-  constexpr std::size_t kPiece = 1 << 20;
-  while (stream) {
-    const std::size_t before = bytes.size();
-    if (before > kLongestFile) {
-      throw SetupError(fmt::format("{}: is larger than {} bytes", path, kLongestFile));
-    }
-    bytes.resize(before + kPiece);
-    stream.read(reinterpret_cast<char*>(bytes.data() + before), kPiece);
-    bytes.resize(before + static_cast<std::size_t>(stream.gcount()));
-  }
-  return parse_wire_recording(bytes, path);
+  return read(path, {});
+}
+
+std::string follow_wire_recording(const std::string& path, const PacketListener& listener) {
+  return read(path, listener).cut_short;
 }
 
 }  // namespace virtdrive

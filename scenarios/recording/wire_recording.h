@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "devices/protocol/framer.h"
 #include "scenarios/recording/wire_file.h"
 
 namespace virtdrive {
@@ -25,8 +27,10 @@ struct RecordedPacket {
   std::size_t line = 0;
   protocol::Direction direction = protocol::Direction::kRequest;
   std::vector<std::uint8_t> bytes = {};
+  protocol::Verdict verdict = protocol::Verdict::kFrame;
+  SimTime first_bit = kSimStart;
   std::vector<SimTime> last_bits = {};  // of each byte
-  std::string comment = {};
+  std::string comment = {};             // what it means, and its times
 };
 
 struct WireRecording {
@@ -43,7 +47,14 @@ struct WireRecording {
 /// `name` begins the error messages.
 WireRecording parse_wire_recording(std::span<const std::uint8_t> bytes, std::string_view name);
 
-/// A file of at most 1 GiB.
+/// A file of at most 1 GiB; "-" is standard input.
 WireRecording read_wire_recording(const std::string& path);
+
+/// Called for each packet, as soon as it is read, with what is known of the bench by then.
+using PacketListener = std::function<void(const WireRecording& so_far, const RecordedPacket&)>;
+
+/// Reads a file, a pipe or standard input to its end, packet by packet: also one that is being
+/// written. Why the recording is not whole, or "".
+std::string follow_wire_recording(const std::string& path, const PacketListener& listener);
 
 }  // namespace virtdrive

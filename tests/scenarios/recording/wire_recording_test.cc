@@ -231,14 +231,14 @@ TEST(LineMonitor, NoiseIsGatheredUntilAFrameAGapOrItsMaximum) {
   wire.line.host_send(Bytes{1, 2, 0x11, 0x14, 0x00, 0x6c, 0x13, 3});
   wire.loop.run_until(kSimStart + 1s);
   wire.line.host_send(Bytes{4});
-  wire.line.host_send(Bytes(LineMonitor::kLongestNoise, 5));
+  wire.line.host_send(Bytes(FrameCutter::kLongestNoise, 5));
   wire.loop.run_until(kSimStart + 2s);
   wire.monitor.finish();
   ASSERT_EQ(wire.listener.packets.size(), 5U);
   EXPECT_EQ(wire.listener.packets[0].bytes, (Bytes{1, 2}));
   EXPECT_EQ(wire.listener.packets[1].verdict, Verdict::kFrame);
   EXPECT_EQ(wire.listener.packets[2].bytes, (Bytes{3}));
-  EXPECT_EQ(wire.listener.packets[3].bytes.size(), LineMonitor::kLongestNoise);
+  EXPECT_EQ(wire.listener.packets[3].bytes.size(), FrameCutter::kLongestNoise);
   EXPECT_EQ(wire.listener.packets[4].bytes, (Bytes{5}));
 }
 
