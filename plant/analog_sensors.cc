@@ -9,6 +9,10 @@ namespace {
 constexpr double kKelvin = 273.15;
 constexpr double kReferenceK = 298.15;  // 25 degC
 
+std::int32_t end_of(const Adc& adc, SensorFault::Stuck stuck) {
+  return stuck == SensorFault::Stuck::kHigh ? adc.full_scale() : 0;
+}
+
 double noisy(double value, double deviation, RandomStream& noise) {
   return deviation > 0 ? value + deviation * noise.bell() : value;
 }
@@ -22,12 +26,16 @@ std::int32_t Adc::counts(double input_v) const {
 }
 
 std::int32_t CurrentSensor::counts(double current_a, RandomStream& noise) const {
-  const double measured_a = noisy((current_a + offset_a) * (1 + gain_error), noise_a, noise);
+  if (fault.stuck != SensorFault::Stuck::kNo) return end_of(adc, fault.stuck);
+  const double sensed_a = fault.distorted(current_a);
+  const double measured_a = noisy((sensed_a + offset_a) * (1 + gain_error), noise_a, noise);
   return adc.counts(adc.reference_v / 2 + measured_a * volts_per_amp);
 }
 
 std::int32_t VoltageSensor::counts(double voltage_v, RandomStream& noise) const {
-  const double measured_v = noisy((voltage_v + offset_v) * (1 + gain_error), noise_v, noise);
+  if (fault.stuck != SensorFault::Stuck::kNo) return end_of(adc, fault.stuck);
+  const double sensed_v = fault.distorted(voltage_v);
+  const double measured_v = noisy((sensed_v + offset_v) * (1 + gain_error), noise_v, noise);
   return adc.counts(measured_v * volts_per_volt);
 }
 

@@ -25,6 +25,17 @@ struct Adc {
   std::int32_t counts(double input_v) const;
 };
 
+/// How a sensor has come to read wrong, on top of what its kind is off by.
+struct SensorFault {
+  enum class Stuck : std::uint8_t { kNo, kLow, kHigh };  // reads an end of the converter's range
+
+  double offset = 0;  // in what it measures
+  double gain = 0;    // 0.1: reads 10 % too much; -1: reads nothing
+  Stuck stuck = Stuck::kNo;
+
+  double distorted(double value) const { return value * (1 + gain) + offset; }
+};
+
 /// Phase or DC-link current through a shunt and its amplifier, around mid-scale.
 struct CurrentSensor {
   Adc adc{};
@@ -32,6 +43,7 @@ struct CurrentSensor {
   double offset_a = 0;       // zero error, as a current
   double gain_error = 0;     // 0.01: reads 1 % too much
   double noise_a = 0;        // standard deviation at the input
+  SensorFault fault{};
 
   /// Counts for a current; draws from `noise` only if noise_a is above 0.
   std::int32_t counts(double current_a, RandomStream& noise) const;
@@ -46,6 +58,7 @@ struct VoltageSensor {
   double offset_v = 0;        // zero error, at the link
   double gain_error = 0;
   double noise_v = 0;  // standard deviation, at the link
+  SensorFault fault{};
 
   std::int32_t counts(double voltage_v, RandomStream& noise) const;
 };

@@ -30,6 +30,17 @@ std::uint8_t HallSensors::bits(double electrical_angle_rad) const {
   return bits;
 }
 
+std::int64_t HallSensors::edges(double electrical_angle_rad, std::uint8_t of) const {
+  std::int64_t passed = 0;
+  for (unsigned sensor = 0; sensor < 3; ++sensor) {
+    if ((of >> sensor & 1U) == 0 || output[sensor] != Output::kWorking) continue;
+    const double rises_rad = offset_rad + placement_error_rad[sensor] + sensor * kTurn / 3;
+    passed +=
+        static_cast<std::int64_t>(std::floor((electrical_angle_rad - rises_rad) / (kTurn / 2)));
+  }
+  return passed;
+}
+
 std::optional<double> HallSensors::next_edge_rad(double electrical_angle_rad, bool forwards) const {
   std::optional<double> nearest;
   for (unsigned sensor = 0; sensor < 3; ++sensor) {

@@ -20,7 +20,12 @@ struct HallSensors {
   std::array<double, 3> placement_error_rad{};
   std::array<Output, 3> output{};
 
+  bool operator==(const HallSensors&) const = default;
+
   std::uint8_t bits(double electrical_angle_rad) const;
+  /// Edges that the working ones of these sensors (bits as above) have passed since some angle,
+  /// counted down backwards: what hardware that decodes them counts.
+  std::int64_t edges(double electrical_angle_rad, std::uint8_t of = 7) const;
   /// The electrical angle of the next change of bits() beyond this one, when it turns forwards or
   /// backwards; none if all sensors are stuck.
   std::optional<double> next_edge_rad(double electrical_angle_rad, bool forwards) const;
@@ -37,7 +42,8 @@ struct Encoder {
   double slip_rad = 0;         // by how much the disc has slipped behind the shaft
   /// Edges that the counter has missed, disturbed as it was: the index comes at a wrong count.
   std::int64_t missed_counts = 0;
-  bool index_dead = false;  // the index never comes
+  bool index_dead = false;    // the index never comes
+  bool cable_broken = false;  // whoever counts edges gets none: see EdgeCounter
 
   /// Quadrature counts since angle 0: the edges passed, floor of the exact count, so negative
   /// angles count down.
@@ -54,6 +60,20 @@ struct Encoder {
  private:
   std::int64_t edges(double angle_rad) const;
   std::int64_t index_edge(std::int64_t turn) const;
+};
+
+/// A counter in hardware, which does not know how the shaft turned while it heard nothing.
+class EdgeCounter {
+ public:
+  /// The sensor stands at `edges` now, and what it passed since the last call was `heard`.
+  void see(std::int64_t edges, bool heard = true) {
+    if (heard) count_ += edges - edges_;
+    edges_ = edges;
+  }
+  std::int64_t count() const { return count_; }
+
+ private:
+  std::int64_t count_ = 0, edges_ = 0;
 };
 
 /// An absolute encoder: position within a turn, and turns counted with the help of a battery.

@@ -1,10 +1,8 @@
 #include "firmware_models/md/power_stage.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
-
-#include "firmware_models/md/six_step.h"
 
 namespace virtdrive::md {
 namespace {
@@ -20,7 +18,6 @@ constexpr Adc kAdc{.bits = 12, .reference_v = 5.0};
 constexpr double kFullScale = 4;   // of the rated current
 constexpr double kNoise = 5e-4;    // of the rated current
 constexpr double kBraking = 0.01;  // of the rated current: less is noise
-constexpr double kSectorRad = std::numbers::pi / 3;
 
 }  // namespace
 
@@ -43,32 +40,47 @@ void PowerStage::advance() {
   see_hall();
 }
 
-// The capture unit takes the time of an edge: between two looks the rotor turns evenly.
+// The capture unit takes the time of the last edge: between two looks the rotor turns evenly.
 void PowerStage::see_hall() {
-  const double electrical = axis_.parameters().motor.pole_pairs * axis_.state().angle_rad;
-  const double sectors = (electrical - kHallOffsetRad) / kSectorRad;
+  const double electrical_rad = axis_.parameters().motor.pole_pairs * axis_.state().angle_rad;
   const SimTime now = loop_.now();
-  const double moved = sectors - seen_at_sectors_;
-  SimTime edge = now;
-  if (std::floor(sectors) != std::floor(seen_at_sectors_) && moved != 0) {
-    const double boundary = moved > 0 ? std::floor(sectors) : std::floor(seen_at_sectors_);
-    edge = seen_at_ + from_seconds(seconds(now - seen_at_) * (boundary - seen_at_sectors_) / moved);
+  const std::uint8_t code = sensors_.hall.bits(electrical_rad);
+  if (code != code_) {
+    const double moved_rad = electrical_rad - seen_at_rad_;
+    const auto edge_rad = sensors_.hall.next_edge_rad(electrical_rad, moved_rad < 0);
+    const double share = edge_rad && moved_rad != 0 ? (*edge_rad - seen_at_rad_) / moved_rad : 1;
+    hall_.see(code, seen_at_ + from_seconds(seconds(now - seen_at_) * std::clamp(share, 0.0, 1.0)));
   }
-  code_ = hall_fault_.value_or(hall_bits(electrical, kHallOffsetRad));
-  hall_.see(code_, edge);
-  seen_at_sectors_ = sectors;
+  code_ = code;
+  seen_at_rad_ = electrical_rad;
   seen_at_ = now;
+}
+
+void PowerStage::see_encoder() {
+  if (sensors_.encoder.lines == 0) return;
+  encoder_.see(sensors_.encoder.count(axis_.state().angle_rad), !sensors_.encoder.cable_broken);
+}
+
+void PowerStage::set_sensors(const StageSensors& sensors) {
+  advance();
+  see_encoder();
+  const bool other = sensors.encoder.lines != sensors_.encoder.lines;
+  sensors_ = sensors;
+  shunt_.fault = sensors.shunt;
+  if (other) encoder_ = {};
+  see_encoder();
 }
 
 double PowerStage::sample_current() {
   if (!driving_) return 0;
-  const double seen = pair_current_a(sector(), axis_.phase_currents_a());
+  const double seen = pair_current_a(sector(), axis_.leg_currents_a());
   const double counts = shunt_.counts(seen, noise_) - shunt_.zero_counts();
   return counts * kAdc.reference_v / (kAdc.full_scale() + 1) / shunt_.volts_per_amp;
 }
 
 PowerStage::Reading PowerStage::read() {
   advance();
+  see_encoder();
   current_a_ = sample_current();
   const double mean = current_samples_ > 0 ? current_sum_a_ / current_samples_ : current_a_;
   current_sum_a_ = 0;
@@ -77,7 +89,7 @@ PowerStage::Reading PowerStage::read() {
           .limited = std::exchange(limited_, false),
           .bus_v = std::round(axis_.state().bus_v * 10) / 10,
           .hall = code_,
-          .encoder = encoder_.lines > 0 ? encoder_.count(axis_.state().angle_rad) : 0};
+          .encoder = encoder_.count()};
 }
 
 // --- Gates ---------------------------------------------------------------------------------------

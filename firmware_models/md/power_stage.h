@@ -15,10 +15,18 @@
 #include "core/random.h"
 #include "firmware_models/md/hall.h"
 #include "firmware_models/md/motor_channel.h"
+#include "firmware_models/md/six_step.h"
 #include "plant/axis.h"
 #include "plant/sensors.h"
 
 namespace virtdrive::md {
+
+/// What is fitted around one motor, and what is wrong with it.
+struct StageSensors {
+  HallSensors hall{.offset_rad = kHallOffsetRad};
+  Encoder encoder{.lines = 0};  // none
+  SensorFault shunt{};
+};
 
 class PowerStage {
  public:
@@ -41,12 +49,8 @@ class PowerStage {
 
   const HallCounter& hall() const { return hall_; }
 
-  /// Lines of the encoder on the shaft; 0: there is none.
-  std::int32_t encoder_lines() const { return encoder_.lines; }
-  void set_encoder_lines(std::int32_t lines) { encoder_.lines = lines; }
-  /// A broken Hall cable: this code whatever the rotor does.
-  std::optional<std::uint8_t> hall_fault() const { return hall_fault_; }
-  void set_hall_fault(std::optional<std::uint8_t> code) { hall_fault_ = code; }
+  const StageSensors& sensors() const { return sensors_; }
+  void set_sensors(const StageSensors& sensors);
   /// The mechanical brake holds this much (Nm); 0: released.
   void set_clutch(double torque_nm);
 
@@ -54,6 +58,7 @@ class PowerStage {
   void period();
   void advance();
   void see_hall();
+  void see_encoder();
   double sample_current();
   void drive_bridge();
   void cut(const BridgeCommand& command);
@@ -65,11 +70,11 @@ class PowerStage {
   Axis& axis_;
   RandomStream noise_;
   CurrentSensor shunt_;
-  Encoder encoder_{.lines = 0};
+  StageSensors sensors_;
+  EdgeCounter encoder_;
   HallCounter hall_;
-  std::optional<std::uint8_t> hall_fault_;
   std::uint8_t code_ = 0;
-  double seen_at_sectors_ = 0;  // angle in sectors at the last look
+  double seen_at_rad_ = 0;  // electrical angle at the last look
   SimTime seen_at_ = kSimStart;
 
   StageCommand command_;

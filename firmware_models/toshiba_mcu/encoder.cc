@@ -1,11 +1,8 @@
 #include "firmware_models/toshiba_mcu/encoder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-
-#include "plant/sensors.h"
 
 namespace virtdrive::toshiba_mcu {
 namespace {
@@ -24,34 +21,40 @@ std::int64_t floor_of(double turns) {
   return static_cast<std::int64_t>(std::floor(turns));
 }
 
-// U changes at 0 and 180 degrees, V at 120 and 300; in sectors of 60 degrees.
-std::int64_t hall_uv_edges(double electrical_turns) {
-  constexpr std::array<std::int64_t, 6> kPassed = {0, 0, 1, 2, 2, 3};
-  const std::int64_t sector = floor_of(electrical_turns * kHallUvwEdges);
-  const std::int64_t turn = floor_of(static_cast<double>(sector) / kHallUvwEdges);
-  return kHallUvEdges * turn + kPassed[static_cast<std::size_t>(sector - kHallUvwEdges * turn)];
-}
-
 }  // namespace
 
-std::int64_t counted_edges(EncoderType type, double angle_rad, int motor_pole_pairs) {
-  const double electrical_turns = motor_pole_pairs * angle_rad / kTurn;
+std::int64_t ShaftSensors::edges(EncoderType type, double angle_rad, int motor_pole_pairs) const {
+  constexpr std::uint8_t kU = 1, kV = 2, kW = 4;
   switch (type) {
     case EncoderType::kNone:
       break;
     case EncoderType::kHallUvw:
-      return floor_of(electrical_turns * kHallUvwEdges);
+      return hall.edges(motor_pole_pairs * angle_rad, kU | kV | kW);
     case EncoderType::kHallUv:
-      return hall_uv_edges(electrical_turns);
+      return hall.edges(motor_pole_pairs * angle_rad, kU | kV);
     case EncoderType::kAbz:
     case EncoderType::kAb:
-      return Encoder{.lines = kBenchEncoderLines}.count(angle_rad);
+      return encoder.count(angle_rad);
     case EncoderType::kSinglePulse:
-      return Encoder{.lines = kBenchEncoderLines}.index_count(angle_rad);
+      return encoder.index_count(angle_rad);
     case EncoderType::kAs5145h:
       return floor_of(angle_rad / kTurn * kAs5145hSteps);
   }
   return 0;
+}
+
+bool ShaftSensors::heard(EncoderType type) const {
+  switch (type) {
+    case EncoderType::kAbz:
+    case EncoderType::kAb:
+      return !encoder.cable_broken;
+    case EncoderType::kSinglePulse:
+      return !encoder.cable_broken && !encoder.index_dead;
+    case EncoderType::kAs5145h:
+      return !magnet_lost;
+    default:
+      return true;
+  }
 }
 
 void EncoderCounter::configure(const ChannelSettings& settings, const Scaling& scaling) {

@@ -13,6 +13,7 @@
 
 #include "firmware_models/toshiba_mcu/scaling.h"
 #include "firmware_models/toshiba_mcu/settings.h"
+#include "plant/sensors.h"
 
 namespace virtdrive::toshiba_mcu {
 
@@ -27,12 +28,18 @@ enum class EncoderType : std::uint8_t {
 };
 enum class EncoderUsage : std::uint8_t { kNone, kSpeed, kEvent };
 
-/// Lines of the incremental encoder on the bench's motors.
-inline constexpr std::int32_t kBenchEncoderLines = 500;
+/// What is wired to one motor on the bench.
+struct ShaftSensors {
+  HallSensors hall{};
+  Encoder encoder{.lines = 500};
+  bool magnet_lost = false;  // the AS5145H stands still
 
-/// Edges since mechanical angle 0 at the inputs that `type` evaluates; counted by hardware, so none
-/// is missed. kSinglePulse: index pulses passed, whichever way.
-std::int64_t counted_edges(EncoderType type, double angle_rad, int motor_pole_pairs);
+  /// Edges since some angle at the inputs that `type` evaluates. kSinglePulse: index pulses passed,
+  /// whichever way.
+  std::int64_t edges(EncoderType type, double angle_rad, int motor_pole_pairs) const;
+  /// False while those inputs hear nothing.
+  bool heard(EncoderType type) const;
+};
 
 /// The program's counter and speed measurement for one channel.
 class EncoderCounter {

@@ -107,7 +107,14 @@ void PowerBoard::set_settings(const ChannelSettings& settings) {
 }
 
 void PowerBoard::set_inputs(const BoardInputs& inputs) {
+  read_encoder();
+  const bool other_edges = inputs.shaft.hall != inputs_.shaft.hall;
   inputs_ = inputs;
+  // A counter goes on from where it is, whichever Hall sensors it will hear from now on; a disc
+  // that slips passes edges.
+  counted_edges(!other_edges);
+  for (std::size_t i = 0; i < 3; ++i) current_sensors_[i].fault = inputs.shunts[i];
+  bus_sensor_.fault = inputs.bus_divider;
   if (!inputs.emergency || !channel_.pwm_active()) return;
   channel_.pwm_interrupt(read_inputs());  // the pin interrupts at once
   follow();
@@ -152,25 +159,24 @@ Reading PowerBoard::read_inputs() {
     reading.current_counts[i] = current_sensors_[i].counts(currents[i], noise_);
   }
   reading.bus_counts = bus_sensor_.counts(bus_v, noise_);
-  const auto type = static_cast<EncoderType>(channel_.settings().encoder.value);
-  if (type != EncoderType::kNone) {
-    reading.encoder_count =
-        counted_edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs);
-  }
+  reading.encoder_count = counted_edges();
   reading.emergency_pin = inputs_.emergency;
   reading.over_voltage_pin = bus_v > hardware_.over_voltage_pin_v;
   return reading;
 }
 
 void PowerBoard::read_encoder() {
+  if (channel_.settings().encoder.value != 0) axis_.advance_to(loop_.now());
+  channel_.read_encoder(counted_edges());
+}
+
+std::int64_t PowerBoard::counted_edges(bool heard) {
   const auto type = static_cast<EncoderType>(channel_.settings().encoder.value);
-  if (type == EncoderType::kNone) {
-    channel_.read_encoder(0);
-    return;
-  }
-  axis_.advance_to(loop_.now());
-  channel_.read_encoder(
-      counted_edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs));
+  const ShaftSensors& shaft = inputs_.shaft;
+  if (type == EncoderType::kNone) return 0;
+  counter_.see(shaft.edges(type, axis_.state().angle_rad, axis_.parameters().motor.pole_pairs),
+               heard && shaft.heard(type));
+  return counter_.count();
 }
 
 void PowerBoard::load_registers() {

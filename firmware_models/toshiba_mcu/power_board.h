@@ -36,7 +36,10 @@ inline constexpr BoardHardware kLowVoltageBoard{};
 struct BoardInputs {
   double temperature_degc = 25;  // of the board, where its thermistor is
   NtcSensor::Fault thermistor = NtcSensor::Fault::kNone;
-  bool emergency = false;  // the driver block's pin is pulled
+  bool emergency = false;               // the driver block's pin is pulled
+  std::array<SensorFault, 3> shunts{};  // of phases U, V, W
+  SensorFault bus_divider{};
+  ShaftSensors shaft{};
   // The signals of ExternalSpeedControl.
   double speed_v = 0;          // 0..5 V at the analogue input
   double speed_pwm = 0;        // high share of the PWM signal, 0..1
@@ -86,6 +89,7 @@ class PowerBoard {
  private:
   Reading read_inputs();
   void read_encoder();
+  std::int64_t counted_edges(bool heard = true);
   void load_registers();
   void pwm_interrupt();
   void millisecond();
@@ -102,6 +106,7 @@ class PowerBoard {
   NtcSensor thermistor_;
   RandomStream noise_;
   BoardInputs inputs_;
+  EdgeCounter counter_;
   int polls_ = 0;  // since the last whole second
   Bridge loaded_ = Bridge::kOff;
   Wakeup pwm_;

@@ -11,6 +11,7 @@
 #include "devices/md485/device.h"
 #include "firmware_models/md/controller.h"
 #include "scenarios/drives/md_words.h"
+#include "scenarios/sensor_signals.h"
 
 namespace virtdrive {
 namespace {
@@ -35,6 +36,9 @@ DcLinkParameters link_of(const md::Model& model) {
   return link;
 }
 
+// MOSFETs with their leads and body diodes; assumed.
+constexpr InverterParameters kBridge{.on_resistance_ohm = 0.01, .diode_v = 0.7};
+
 class MdDrive final : public Drive, private SerialReceiver {
  public:
   MdDrive(const DriveContext& context, const md::Model& model)
@@ -42,8 +46,7 @@ class MdDrive final : public Drive, private SerialReceiver {
         model_(model),
         axes_(make_axes(context, model)),
         pins_(axes_.size()),
-        hall_faults_(axes_.size()),
-        encoder_lines_(axes_.size(), 0),
+        sensors_(axes_.size()),
         baud_code_(model.baud_code) {
     power_on();
   }
@@ -84,6 +87,7 @@ class MdDrive final : public Drive, private SerialReceiver {
       axes.emplace_back(AxisParameters{.motor = motor.electrical,
                                        .link = link_of(model),
                                        .mechanics = motor.mechanics,
+                                       .inverter = kBridge,
                                        .effects = motor.effects},
                         bus);
     }
@@ -105,8 +109,7 @@ class MdDrive final : public Drive, private SerialReceiver {
   md::TerminalControl terminal_control_ = md::TerminalControl::kSpeed;
   // What hangs on the board, whether it has power or not.
   std::vector<Terminals> pins_;
-  std::vector<std::optional<std::uint8_t>> hall_faults_;
-  std::vector<std::int32_t> encoder_lines_;
+  std::vector<md::StageSensors> sensors_;
   double ambient_degc_ = 25;
   std::int32_t baud_code_;        // that the line is set to
   WireCounters counted_;          // before the last power cycle
@@ -148,8 +151,7 @@ void MdDrive::apply_surroundings() {
   controller.set_ambient_degc(ambient_degc_);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     controller.terminals(i) = pins_[i];
-    controller.stage(i).set_hall_fault(hall_faults_[i]);
-    controller.stage(i).set_encoder_lines(encoder_lines_[i]);
+    controller.stage(i).set_sensors(sensors_[i]);
   }
 }
 
@@ -244,29 +246,21 @@ void MdDrive::register_motor(Registry& registry, std::size_t number) {
   add("position_target", "counts", "Target of the move under way",
       [](Channel c) { return double(c.target_position()); });
 
-  for (const std::uint8_t code : {std::uint8_t{0}, std::uint8_t{7}}) {
-    registry.add(
-        Input{.signal = {fmt::format("hall{}.code_{}", number, code), "",
-                         fmt::format("The Hall cable is broken: code {}", code),
-                         [this, number, code] { return hall_faults_[number] == code ? 1.0 : 0.0; }},
-              .minimum = 0,
-              .maximum = 1,
-              .write =
-                  [this, number, code](double there) {
-                    hall_faults_[number] = there > 0 ? std::optional(code) : std::nullopt;
-                    apply_surroundings();
-                  },
-              .fault = true});
-  }
+  md::StageSensors& sensors = sensors_[number];
+  const auto changed = [this] { apply_surroundings(); };
+  name_sensor(registry, fmt::format("hall{}", number), sensors.hall, changed);
+  name_sensor(registry, fmt::format("shunt{}.", number), "Shunt in the link", "A", 1000,
+              sensors.shunt, changed);
   if (!model_.encoder) return;
+  name_sensor(registry, fmt::format("encoder{}", number), sensors.encoder, changed);
   registry.add(Input{.signal = {fmt::format("encoder{}.lines", number), "",
                                 "Lines of the encoder on the shaft; 0: there is none",
-                                [this, number] { return double(encoder_lines_[number]); }},
+                                [&sensors] { return double(sensors.encoder.lines); }},
                      .minimum = 0,
                      .maximum = 65535,
-                     .write = [this, number](double lines) {
-                       encoder_lines_[number] = static_cast<std::int32_t>(lines);
-                       apply_surroundings();
+                     .write = [&sensors, changed](double lines) {
+                       sensors.encoder.lines = static_cast<std::int32_t>(lines);
+                       changed();
                      }});
 }
 

@@ -7,6 +7,7 @@
 #include "core/check.h"
 #include "devices/toshiba_mcu/device.h"
 #include "scenarios/drives/toshiba_mcu_words.h"
+#include "scenarios/sensor_signals.h"
 
 namespace virtdrive {
 namespace {
@@ -15,6 +16,9 @@ using namespace toshiba_mcu;
 
 // A 24 V laboratory supply that cannot absorb, 0.1 Ohm with its leads, and the board's 1000 uF.
 constexpr DcLinkParameters kSupply{.source_v = 24, .resistance_ohm = 0.1, .capacitance_f = 1e-3};
+
+// MOSFETs with their leads; assumed.
+constexpr InverterParameters kBridge{.on_resistance_ohm = 0.01};
 
 std::vector<std::string_view> stage_names() {
   std::vector<std::string_view> names;
@@ -82,6 +86,7 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
       const AxisParameters parameters{.motor = motor.electrical,
                                       .link = kSupply,
                                       .mechanics = motor.mechanics,
+                                      .inverter = kBridge,
                                       .effects = motor.effects};
       if (context.supply)
         axes.emplace_back(parameters, *context.supply);
@@ -95,6 +100,7 @@ class ToshibaMcuDrive final : public Drive, private SerialReceiver {
   }
   void register_channel(Registry& registry, std::size_t channel);
   void register_board(Registry& registry, std::size_t channel);
+  void register_sensors(Registry& registry, std::size_t channel);
 
   DriveContext context_;
   std::vector<Axis> axes_;
@@ -207,6 +213,34 @@ void ToshibaMcuDrive::register_channel(Registry& registry, std::size_t index) {
   add("voltage_d", "V", "d voltage put out", [](Channel c) { return c.internals().vd_v; });
   add("voltage_q", "V", "q voltage put out", [](Channel c) { return c.internals().vq_v; });
   register_board(registry, index);
+  register_sensors(registry, index);
+}
+
+void ToshibaMcuDrive::register_sensors(Registry& registry, std::size_t index) {
+  BoardInputs& inputs = boards_[index];
+  const auto changed = [this, index] {
+    if (mcu_) mcu_->firmware.board(index).set_inputs(boards_[index]);
+  };
+  name_sensor(registry, fmt::format("hall{}", index), inputs.shaft.hall, changed);
+  name_sensor(registry, fmt::format("encoder{}", index), inputs.shaft.encoder, changed);
+  registry.add(Input{.signal = {fmt::format("encoder{}.magnet_lost", index), "",
+                                "The magnetic encoder (AS5145H) stands still",
+                                [&inputs] { return inputs.shaft.magnet_lost ? 1.0 : 0.0; }},
+                     .minimum = 0,
+                     .maximum = 1,
+                     .write =
+                         [&inputs, changed](double lost) {
+                           inputs.shaft.magnet_lost = lost > 0;
+                           changed();
+                         },
+                     .fault = true});
+  for (std::size_t phase = 0; phase < 3; ++phase) {
+    const char letter = static_cast<char>('a' + phase);
+    name_sensor(registry, fmt::format("shunt{}.{}_", index, letter),
+                fmt::format("Shunt of phase {}", letter), "A", 100, inputs.shunts[phase], changed);
+  }
+  name_sensor(registry, fmt::format("divider{}.", index), "Divider of the DC link", "V", 100,
+              inputs.bus_divider, changed);
 }
 
 void ToshibaMcuDrive::register_board(Registry& registry, std::size_t index) {

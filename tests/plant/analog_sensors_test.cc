@@ -49,6 +49,22 @@ TEST(CurrentSensor, HasOffsetAndGainErrors) {
   EXPECT_EQ(sensor.counts(9.99, noise), 2048 - 1009);
 }
 
+TEST(CurrentSensor, BreaksByOffsetGainAndAtTheEndsOfItsRange) {
+  CurrentSensor sensor{.volts_per_amp = 0.1};
+  RandomStream none(1);
+  const auto amps = [&](double current_a) {
+    return (sensor.counts(current_a, none) - sensor.zero_counts()) * 3.3 / 4096 / 0.1;
+  };
+  sensor.fault = {.offset = 1, .gain = 0.5};
+  EXPECT_NEAR(amps(2), 4, 0.01);
+  sensor.fault = {.gain = -1};
+  EXPECT_NEAR(amps(2), 0, 0.01);
+  sensor.fault = {.stuck = SensorFault::Stuck::kLow};
+  EXPECT_EQ(sensor.counts(2, none), 0);
+  sensor.fault = {.stuck = SensorFault::Stuck::kHigh};
+  EXPECT_EQ(sensor.counts(2, none), 4095);
+}
+
 TEST(CurrentSensor, NoiseIsRepeatableAndHasItsDeviation) {
   const CurrentSensor sensor{
       .adc = {.bits = 16, .reference_v = 4}, .volts_per_amp = 0.1, .noise_a = 0.2};

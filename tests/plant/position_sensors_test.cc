@@ -76,6 +76,29 @@ TEST(Hall, ADeadSensorStaysWhereItIsAndMakesForbiddenStates) {
   EXPECT_EQ(hall.bits(200 * kDegree) & 1, 1);
 }
 
+TEST(Hall, EdgesOfTheWorkingSensorsAreCountedUpAndDown) {
+  HallSensors hall;
+  const auto per_turn = [&](std::uint8_t of) {
+    const std::int64_t forwards = hall.edges(0.1 + kTurn, of) - hall.edges(0.1, of);
+    EXPECT_EQ(hall.edges(0.1 - kTurn, of) - hall.edges(0.1, of), -forwards);
+    return forwards;
+  };
+  EXPECT_EQ(per_turn(7), 6);
+  EXPECT_EQ(per_turn(3), 4);
+  hall.output[1] = HallSensors::Output::kStuckHigh;
+  EXPECT_EQ(per_turn(7), 4);
+  EXPECT_EQ(per_turn(3), 2);
+}
+
+TEST(EdgeCounter, MissesWhatItDoesNotHear) {
+  EdgeCounter counter;
+  counter.see(10);
+  counter.see(17, false);
+  EXPECT_EQ(counter.count(), 10);
+  counter.see(15);
+  EXPECT_EQ(counter.count(), 8);
+}
+
 TEST(Hall, NextEdgeIsWhereTheBitsChange) {
   HallSensors hall{.offset_rad = 0.1, .placement_error_rad = {0.05, -0.03, 0.01}};
   for (const bool forwards : {true, false}) {

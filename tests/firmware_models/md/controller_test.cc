@@ -203,12 +203,12 @@ TEST(MdControl, APhaseLeadMakesItFasterAtFullOutput) {
 TEST(MdControl, AnEncoderGivesTheSpeedAndItsLossIsSeen) {
   Rig rig;
   rig.change(&Settings::enc_ppr, 1000);
-  rig.controller->stage(0).set_encoder_lines(1000);
+  rig.controller->stage(0).set_sensors({.encoder = {.lines = 1000}});
   rig.order().speed(500);
   rig.run_for(2s);
   EXPECT_NEAR(rig.speed_rpm(), 500, 5);
   EXPECT_EQ(rig.motor().status(), kNoAlarm);
-  rig.controller->stage(0).set_encoder_lines(0);
+  rig.controller->stage(0).set_sensors({});
   rig.run_for(2s);
   EXPECT_EQ(rig.motor().status2(), kEncFail);
   EXPECT_NE(rig.motor().status() & kAlarm, 0);
@@ -348,17 +348,23 @@ TEST(MdProtections, OverLoadAtOnceAboveHalfAsMuchAgain) {
   EXPECT_EQ(protections.status(), kAlarm | kOverLoad);
 }
 
+HallSensors broken_hall_cable(std::uint8_t code) {
+  HallSensors hall = StageSensors{}.hall;
+  hall.output.fill(code == 7 ? HallSensors::Output::kStuckHigh : HallSensors::Output::kStuckLow);
+  return hall;
+}
+
 TEST(MdProtections, HallFailTenMillisecondsAfterTheCableBroke) {
   for (const std::uint8_t code : {std::uint8_t{0}, std::uint8_t{7}}) {
     Rig rig;
     rig.order().speed(500);
     rig.run_for(1s);
-    rig.controller->stage(0).set_hall_fault(code);
+    rig.controller->stage(0).set_sensors({.hall = broken_hall_cable(code)});
     EXPECT_NEAR(seconds_to(rig.run_to_status(kAlarm | kHallFail)), 0.010, 0.002);
     EXPECT_EQ(rig.motor().type(), ControlType::kOff);
     rig.order().speed(500);
     EXPECT_EQ(rig.motor().type(), ControlType::kOff);  // ignored until the reset
-    rig.controller->stage(0).set_hall_fault(std::nullopt);
+    rig.controller->stage(0).set_sensors({});
     rig.controller->reset_alarms();
     rig.order().speed(500);
     rig.run_for(2s);
@@ -575,7 +581,7 @@ TEST(MdOutputs, TheAlarmOutputMayBeInverted) {
   EXPECT_FALSE(rig.controller->alarm_output());
   rig.change(&Settings::inv_alarm, 1);
   EXPECT_TRUE(rig.controller->alarm_output());
-  rig.controller->stage(0).set_hall_fault(std::uint8_t{7});
+  rig.controller->stage(0).set_sensors({.hall = broken_hall_cable(7)});
   rig.run_for(50ms);
   EXPECT_FALSE(rig.controller->alarm_output());
 }

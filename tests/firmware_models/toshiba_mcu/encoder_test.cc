@@ -17,7 +17,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 TEST(ToshibaMcuEncoderInputs, CountPerTurnWhatTheirKindGives) {
   const auto per_turn = [](EncoderType type) {
-    return counted_edges(type, 10 * kTurn + 1e-9, 4) - counted_edges(type, 1e-9, 4);
+    return ShaftSensors{}.edges(type, 10 * kTurn + 1e-9, 4) - ShaftSensors{}.edges(type, 1e-9, 4);
   };
   EXPECT_EQ(per_turn(EncoderType::kHallUvw), 10 * 24);
   EXPECT_EQ(per_turn(EncoderType::kHallUv), 10 * 16);
@@ -29,7 +29,7 @@ TEST(ToshibaMcuEncoderInputs, CountPerTurnWhatTheirKindGives) {
 
 TEST(ToshibaMcuEncoderInputs, TwoHallSensorsChangeAtTheirOwnAngles) {
   const auto edges = [](double degrees) {
-    return counted_edges(EncoderType::kHallUv, degrees / 360 * kTurn, 1);
+    return ShaftSensors{}.edges(EncoderType::kHallUv, degrees / 360 * kTurn, 1);
   };
   EXPECT_EQ(edges(119) - edges(1), 0);
   EXPECT_EQ(edges(121) - edges(119), 1) << "V rises";
@@ -43,9 +43,9 @@ TEST(ToshibaMcuEncoderInputs, TwoHallSensorsChangeAtTheirOwnAngles) {
 TEST(ToshibaMcuEncoderInputs, CountDownBackwards) {
   for (const EncoderType type : {EncoderType::kHallUvw, EncoderType::kHallUv, EncoderType::kAbz,
                                  EncoderType::kSinglePulse, EncoderType::kAs5145h}) {
-    std::int64_t last = counted_edges(type, 0.1, 4);
+    std::int64_t last = ShaftSensors{}.edges(type, 0.1, 4);
     for (double angle = 0.1; angle > -20; angle -= 0.01) {
-      const std::int64_t now = counted_edges(type, angle, 4);
+      const std::int64_t now = ShaftSensors{}.edges(type, angle, 4);
       EXPECT_LE(now, last);
       last = now;
     }
