@@ -36,11 +36,15 @@ class HostPort final : public HostTransport {
   /// Once what was written has left; nothing to do behind TCP. SetupError if it cannot be set so.
   void set(const TtySettings& settings);
 
+  /// Of the wall clock.
+  std::chrono::nanoseconds since_open() const { return std::chrono::steady_clock::now() - opened_; }
+
   int fd() const { return port_.get(); }
 
  private:
   std::string address_;
   FileDescriptor port_;
+  std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace virtdrive

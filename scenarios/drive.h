@@ -15,6 +15,7 @@
 #include "core/signals.h"
 #include "devices/host_transport.h"
 #include "devices/protocol/table.h"
+#include "devices/protocol/walk.h"
 #include "devices/serial_port.h"
 #include "devices/wire_log.h"
 #include "plant/axis.h"
@@ -82,6 +83,9 @@ struct DriveKind {
   const protocol::ProtocolTable* protocol = nullptr;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
   std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;
+  /// What checks a drive against its table, and the channel that its requests name.
+  std::function<std::unique_ptr<protocol::Dialect>()> make_dialect;
+  std::uint8_t checked_channel = 1;
 };
 
 const std::vector<DriveKind>& drive_catalogue();

@@ -151,4 +151,9 @@ Effect WalkDialect::effect(const ParameterRow& row) const {
   return row.id == kId || row.id == kReturnType ? Effect::kSkip : Effect::kNone;
 }
 
+bool WalkDialect::moves(const ParameterRow& row) const {
+  constexpr std::uint16_t kMoving[] = {16, 18, 22, 23, 25, 36, 37, 44, 46, 78, 155, 160, 180, 183};
+  return std::ranges::find(kMoving, row.id) != std::end(kMoving);
+}
+
 }  // namespace virtdrive::md485

@@ -42,6 +42,9 @@ class WalkDialect final : public protocol::Dialect {
   bool names_channel(const CommandRow&) const override { return false; }
   protocol::Effect effect(const CommandRow& row) const override;
   protocol::Effect effect(const ParameterRow& row) const override;
+  /// Signs, references and what the terminals stand for: with the connector's inputs as they happen
+  /// to be, the motor may turn.
+  bool moves(const ParameterRow& row) const override;
   /// The default setting keeps a controller busy: nothing else may wait behind the last one.
   std::vector<protocol::Bytes> before(const CommandRow& row, std::uint8_t channel) const override;
 

@@ -112,6 +112,8 @@ class Walk {
 
   void parameters(Effect effect);
   void parameter_row(const ParameterRow& row);
+  bool may_write(const ParameterRow& row) const;
+  void is_read(const ParameterRow& row, const std::string& when);
   void readable(const ParameterRow& row);
   void writable(const ParameterRow& row);
   void numbers(const ParameterRow& row, std::optional<Setting> before);
@@ -147,6 +149,7 @@ class Walk {
   HostTransport& transport_;
   const WalkOptions options_;
   WalkReport report_;
+  std::string_view source_;  // of the row that is walked
   std::size_t failures_ = 0;
 };
 
@@ -156,12 +159,17 @@ constexpr Answer kSilent{.kind = Kind::kSilence};
 WalkReport Walk::run() {
   resynchronise();
   listens("drive", "the start");
-  commands(Effect::kNone);
-  unknown_commands();
+  if (options_.allow == Allow::kMoves) {
+    commands(Effect::kNone);
+    unknown_commands();
+  } else {
+    spoilt_requests("drive", dialect_.probe());
+    for (const CommandRow& row : table_.commands) report_.skipped.push_back(name_of(row));
+  }
   parameters(Effect::kNone);
   unknown_parameters();
   parameters(Effect::kLast);
-  commands(Effect::kLast);
+  if (options_.allow == Allow::kMoves) commands(Effect::kLast);
   listens("drive", "the walk");
   return std::move(report_);
 }
@@ -180,6 +188,7 @@ void Walk::commands(Effect effect) {
 }
 
 void Walk::command_row(const CommandRow& row, const Values& values) {
+  source_ = row.source;
   const Answer refused = dialect_.refusal(Refusal::kUnknown);
   const Answer expected = row.support == Support::kRejected ? refused
                           : row.replies                     ? kAnswered
@@ -258,6 +267,7 @@ void Walk::spoilt_requests(const std::string& row, const Bytes& request) {
 }
 
 void Walk::unknown_commands() {
+  source_ = {};
   for (unsigned code = 0; code <= dialect_.highest_command(); ++code) {
     const CommandRow row{.code = static_cast<std::uint16_t>(code), .name = "(unknown)"};
     if (find(table_.commands, row.code) != nullptr) continue;
@@ -279,12 +289,20 @@ void Walk::parameters(Effect effect) {
 }
 
 void Walk::parameter_row(const ParameterRow& row) {
+  source_ = row.source;
   const std::string name = name_of(row);
   for (const std::uint8_t channel : dialect_.unknown_channels()) {
     no_such_parameter(row, name, channel, fmt::format(" on channel {}", channel));
   }
   if (row.support == Support::kRejected) {
     no_such_parameter(row, name, options_.channel, "");
+    return;
+  }
+  if (!may_write(row)) {
+    if (row.access == Access::kWriteOnly)
+      report_.skipped.push_back(name);
+    else
+      is_read(row, "");
     return;
   }
   std::vector<std::pair<const ParameterRow*, Setting>> found;
@@ -304,23 +322,29 @@ void Walk::parameter_row(const ParameterRow& row) {
   }
 }
 
+bool Walk::may_write(const ParameterRow& row) const {
+  if (options_.allow == Allow::kReads) return false;
+  return options_.allow == Allow::kMoves || !dialect_.moves(row);
+}
+
+void Walk::is_read(const ParameterRow& row, const std::string& when) {
+  if (!is_number(row)) {
+    expect(name_of(row), "is read" + when, dialect_.read(row, options_.channel), kAnswered);
+    return;
+  }
+  const Reading got = read(row);
+  note(name_of(row), "is read within its range" + when,
+       got.setting && row.range.contains(got.setting->value),
+       fmt::format("{}, which is not in {} ... {}", got.exchange, row.range.minimum,
+                   row.range.maximum));
+}
+
 // Twice: a write between them must not change more than time does.
 void Walk::readable(const ParameterRow& row) {
-  const auto within = [&](const std::string& when) {
-    if (!is_number(row)) {
-      expect(name_of(row), "is read " + when, dialect_.read(row, options_.channel), kAnswered);
-      return;
-    }
-    const Reading got = read(row);
-    note(name_of(row), "is read within its range " + when,
-         got.setting && row.range.contains(got.setting->value),
-         fmt::format("{}, which is not in {} ... {}", got.exchange, row.range.minimum,
-                     row.range.maximum));
-  };
-  within("at first");
+  is_read(row, " at first");
   expect(name_of(row), "is read-only", dialect_.write(row, options_.channel, {1, row.factory.unit}),
          dialect_.refusal(Refusal::kReadOnly));
-  within("after a write");
+  is_read(row, " after a write");
 }
 
 void Walk::writable(const ParameterRow& row) {
@@ -387,10 +411,12 @@ void Walk::no_such_parameter(const ParameterRow& row, const std::string& name, s
   const Answer refused = dialect_.refusal(Refusal::kUnknown);
   const Setting factory{row.factory.value, row.factory.unit};
   expect(name, "is refused to be read" + where, dialect_.read(row, channel), refused);
+  if (options_.allow == Allow::kReads) return;
   expect(name, "is refused to be written" + where, dialect_.write(row, channel, factory), refused);
 }
 
 void Walk::unknown_parameters() {
+  source_ = {};
   for (unsigned id = 0; id <= dialect_.highest_id(); ++id) {
     const ParameterRow row{.id = static_cast<std::uint16_t>(id), .name = "(unknown)"};
     if (find(table_.parameters, row.id) != nullptr) continue;
@@ -458,7 +484,8 @@ void Walk::judge(const std::string& row, const std::string& what, const Bytes& r
 
 void Walk::note(const std::string& row, const std::string& what, bool passed, std::string detail) {
   if (report_.given_up) return;
-  report_.checks.push_back({row, what, passed, passed ? std::string() : std::move(detail)});
+  report_.checks.push_back(
+      {row, what, source_, passed, passed ? std::string() : std::move(detail)});
   if (!passed) report_.given_up = ++failures_ >= options_.most_failures;
 }
 

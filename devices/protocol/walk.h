@@ -102,6 +102,8 @@ class Dialect {
   virtual std::vector<Bytes> before(const CommandRow&, std::uint8_t) const { return {}; }
   virtual std::vector<Bytes> after(const CommandRow&, std::uint8_t) const { return {}; }
 
+  /// A write alone starts a motor, or changes what one does.
+  virtual bool moves(const ParameterRow&) const { return false; }
   /// What a row takes, where another setting narrows what the table says.
   virtual Range range(const ParameterRow& row) const { return row.range; }
   /// What another parameter has to be while a row is walked.
@@ -112,8 +114,16 @@ class Dialect {
   virtual std::vector<Need> needs(const ParameterRow&) const { return {}; }
 };
 
+/// What a walk may do to a drive and what hangs on it.
+enum class Allow : std::uint8_t {
+  kReads,   // nothing is changed
+  kWrites,  // settings are changed, to their limits too, and written back
+  kMoves,   // commands as well: motors start and stop
+};
+
 struct WalkOptions {
   std::uint8_t channel = 0;
+  Allow allow = Allow::kMoves;
   /// The drive has its factory settings: they are compared with the table's.
   bool at_factory = true;
   /// How long an answer that must come may take.
@@ -130,13 +140,14 @@ struct WalkOptions {
 struct Check {
   std::string row;  // "parameter 10 PolePairs"
   std::string what;
+  std::string_view source = {};  // section of the document; empty: its part on framing
   bool passed = false;
   std::string detail = {};  // of a failure: what was sent, expected, and heard
 };
 
 struct WalkReport {
   std::vector<Check> checks;
-  std::vector<std::string> skipped;  // rows that the dialect leaves out
+  std::vector<std::string> skipped;  // rows that the dialect leaves out, or that are not allowed
   bool given_up = false;
   std::size_t failures() const;
 };

@@ -40,6 +40,8 @@ class WalkDialect final : public protocol::Dialect {
   using Dialect::effect;  // parameters have none
   std::vector<protocol::Bytes> before(const CommandRow& row, std::uint8_t channel) const override;
   std::vector<protocol::Bytes> after(const CommandRow& row, std::uint8_t channel) const override;
+  /// The targets of speed and torque.
+  bool moves(const ParameterRow& row) const override { return row.id == 0xE5 || row.id == 0xE6; }
   protocol::Range range(const ParameterRow& row) const override;
   std::vector<Need> needs(const ParameterRow& row) const override;
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "devices/protocol/walk.h"
 #include "scenarios/bench.h"
 #include "scenarios/replay.h"
 #include "scenarios/scenario/suite.h"
@@ -77,6 +78,24 @@ struct CtlOptions {
 };
 /// kExitFailed if the bench refuses.
 int ctl(const CtlOptions& options);
+
+struct CheckOptions {
+  std::string port;   // of a device: a terminal, or tcp://HOST:PORT
+  std::string drive;  // or one of ours, in virtual time
+  std::string protocol;
+  std::optional<int> baud;
+  Parity parity = Parity::kNone;
+  protocol::Allow allow = protocol::Allow::kReads;
+  std::optional<std::uint8_t> channel;
+  bool factory = false;  // compare with the table's factory settings
+  double patience_s = 0.5;
+  double silence_s = 0.05;
+  std::size_t most_failures = 100;
+  std::string junit;  // files; empty: none
+  std::string json;
+};
+/// kExitFailed if the drive does not keep to its table.
+int check(const CheckOptions& options);
 
 struct MonitorOptions {
   std::string file;              // a recording, a pipe that one is written to, or "-"; or else

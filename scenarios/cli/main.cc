@@ -299,6 +299,54 @@ void add_line_options(CLI::App& command, std::optional<int>& baud, ParityWord& p
       ->capture_default_str();
 }
 
+void add_check(CLI::App& app, std::function<int()>& action) {
+  CLI::App* check_command =
+      app.add_subcommand("check", "Judge whether a drive keeps to its protocol");
+  check_command->require_subcommand(1);
+  CLI::App* command = check_command->add_subcommand(
+      "drive", "Put every row of a protocol's table to a drive, emulated or real");
+  auto options = std::make_shared<CheckOptions>();
+  auto parity = std::make_shared<ParityWord>();
+  auto allow = std::make_shared<std::string>("reads");
+  CLI::Option* const port =
+      command->add_option("--port", options->port, "The device's serial port, or tcp://HOST:PORT");
+  command->add_option("--drive", options->drive, "One of 'virtdrive list drives', in virtual time")
+      ->excludes(port);
+  command->add_option(
+      "--protocol", options->protocol,
+      "What the device speaks: a drive of 'virtdrive list drives', or its protocol");
+  add_line_options(*command, options->baud, *parity);
+  command
+      ->add_option("--allow", *allow,
+                   "reads: changes nothing; writes: settings are changed and written back, the "
+                   "motor must stand free; moves: commands too, MOTORS START")
+      ->check(CLI::IsMember({"reads", "writes", "moves"}))
+      ->capture_default_str();
+  command->add_option("--channel", options->channel, "The motor's number, or the device's ID");
+  command->add_flag("--factory", options->factory, "It has its factory settings: compare them");
+  command
+      ->add_option("--patience", options->patience_s, "Seconds that an answer may take at the most")
+      ->check(CLI::Range(1e-3, 60.0))
+      ->capture_default_str();
+  command
+      ->add_option("--silence", options->silence_s,
+                   "Seconds without a byte after which the device is taken to be silent")
+      ->check(CLI::Range(1e-3, 60.0))
+      ->capture_default_str();
+  command->add_option("--most-failures", options->most_failures, "Give up after so many")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--junit", options->junit, "Write a JUnit XML file")->check(not_empty());
+  command->add_option("--json", options->json, "Write each check as JSON")->check(not_empty());
+  command->callback([options, parity, allow, &action] {
+    options->parity = parity->value();
+    options->allow = *allow == "reads"    ? protocol::Allow::kReads
+                     : *allow == "writes" ? protocol::Allow::kWrites
+                                          : protocol::Allow::kMoves;
+    action = [options] { return check(*options); };
+  });
+}
+
 void add_monitor(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand(
       "monitor", "Show what passes on a line, decoded: of a recording, or between host and device");
@@ -424,6 +472,7 @@ int run_program(int argc, char** argv) {
   add_replay(app, action);
   add_test(app, action);
   add_ctl(app, action);
+  add_check(app, action);
   add_monitor(app, action);
   add_host(app, action);
   add_list(app, action);

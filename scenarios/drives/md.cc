@@ -9,6 +9,7 @@
 #include "core/check.h"
 #include "core/names.h"
 #include "devices/md485/device.h"
+#include "devices/md485/walk.h"
 #include "firmware_models/md/controller.h"
 #include "scenarios/drives/md_words.h"
 #include "scenarios/sensor_signals.h"
@@ -346,7 +347,8 @@ std::vector<DriveKind> md_kinds() {
          .make = [&model](const DriveContext& context) -> std::unique_ptr<Drive> {
            return std::make_unique<MdDrive>(context, model);
          },
-         .make_host = make_md_host});
+         .make_host = make_md_host,
+         .make_dialect = [&made = *table] { return std::make_unique<WalkDialect>(made); }});
   }
   return kinds;
 }

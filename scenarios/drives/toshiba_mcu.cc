@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "devices/toshiba_mcu/device.h"
+#include "devices/toshiba_mcu/walk.h"
 #include "scenarios/drives/toshiba_mcu_words.h"
 #include "scenarios/sensor_signals.h"
 
@@ -297,7 +298,8 @@ DriveKind toshiba_mcu_kind() {
           .make = [](const DriveContext& context) -> std::unique_ptr<Drive> {
             return std::make_unique<ToshibaMcuDrive>(context);
           },
-          .make_host = make_toshiba_mcu_host};
+          .make_host = make_toshiba_mcu_host,
+          .make_dialect = [] { return std::make_unique<WalkDialect>(); }};
 }
 
 }  // namespace virtdrive

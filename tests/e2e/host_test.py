@@ -97,6 +97,46 @@ class HostTool(CliTest):
         self.assertIn("does not answer", silent.stderr)
 
 
+class Check(CliTest):
+    def results(self, *arguments):
+        file = self.path("check.json")
+        checked = self.run_program("check", "drive", *arguments, "--json", file)
+        self.assertEqual(checked.returncode, DONE, checked.stdout + checked.stderr)
+        with open(file) as stream:
+            return [(r["row"], r["what"], r["passed"]) for r in json.load(stream)["results"]]
+
+    def test_a_drive_over_a_terminal_gets_the_verdicts_that_it_gets_in_virtual_time(self):
+        bench = self.bench()
+        over_terminal = self.results(
+            "--port", bench.link, "--protocol", "toshiba-mcu", "--silence", "0.01"
+        )
+        self.assertGreater(len(over_terminal), 400)
+        self.assertEqual(over_terminal, self.results("--drive", "toshiba-mcu"))
+
+    def test_another_device_fails_and_says_how(self):
+        bench = self.bench(drive="md400t")
+        junit = self.path("junit.xml")
+        result = self.run_program(
+            *["check", "drive", "--port", bench.link, "--protocol", "toshiba-mcu"],
+            *["--patience", "0.02", "--most-failures", 5, "--junit", junit],
+        )
+        self.assertEqual(result.returncode, FAILED, result.stderr)
+        self.assertIn("expected an answer, heard nothing", result.stdout)
+        with open(junit) as stream:
+            self.assertIn("<failure", stream.read())
+
+    def test_what_cannot_be_checked_is_told(self):
+        for arguments, told in [
+            ([], "either --port PORT or --drive DRIVE"),
+            (["--port", "/nowhere"], "--protocol is missing"),
+            (["--drive", "md40t"], "did you mean md400 or md400t"),
+            (["--drive", "md400t", "--allow", "all"], "all not in"),
+        ]:
+            result = self.run_program("check", "drive", *arguments)
+            self.assertEqual(result.returncode, UNUSABLE, result.stdout)
+            self.assertIn(told, result.stderr)
+
+
 class Monitor(CliTest):
     def monitor(self, *arguments):
         process = subprocess.Popen(
