@@ -85,8 +85,8 @@ PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v, const Ro
 double AxisModel::margin(const HalfBridges& bridges, const double* x, double bus_v) const {
   double least = std::numeric_limits<double>::infinity();
   if (bridges.watched()) {
-    const PhaseValues v = bridges.looks_at_voltages() ? terminal_voltages(x, bus_v) : PhaseValues{};
-    least = bridges.margin(phase_currents(x), v, bus_v);
+    const Phases p = phases(bridges, x, bus_v);
+    least = bridges.margin(p.current_a, p.terminal_v, bus_v);
   }
   return std::min(least, shaft_margin(x));
 }

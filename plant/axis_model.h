@@ -64,6 +64,15 @@ struct AxisModel {
 
   PhaseValues phase_currents(const double* x) const { return phase_currents(x, frame(x)); }
   PhaseValues phase_currents(const double* x, const Rotation& r) const;
+  /// Both, as far as the half bridges ask for them: what their modes are judged by.
+  struct Phases {
+    PhaseValues current_a{}, terminal_v{};
+  };
+  Phases phases(const HalfBridges& bridges, const double* x, double bus_v) const {
+    const Rotation r = frame(x);
+    return {phase_currents(x, r),
+            bridges.looks_at_voltages() ? terminal_voltages(x, bus_v, r) : PhaseValues{}};
+  }
   /// Terminal voltages, up to a common one where nothing ties them to a rail.
   PhaseValues terminal_voltages(const double* x, double bus_v) const {
     return terminal_voltages(x, bus_v, frame(x));

@@ -239,6 +239,11 @@ void AxisUnit::drive(SimTime now, double bus_v) {
     set_gates(edges_.gates());
     return;
   }
+  constexpr std::array<Gate, 3> kAllAveraged{Gate::kAveraged, Gate::kAveraged, Gate::kAveraged};
+  if (!dead_time && !switched() && command_.legs == std::array<Leg, 3>{}) {
+    set_gates(kAllAveraged, command_.duty);
+    return;
+  }
   std::array<Gate, 3> gates{};
   for (std::size_t leg = 0; leg < 3; ++leg) {
     switch (command_.legs[leg]) {
@@ -298,10 +303,9 @@ void AxisUnit::follow_bridges() {
 bool AxisUnit::follow(double bus_v) {
   bool changed = false;
   if (bridges.watched()) {
-    const PhaseValues v =
-        bridges.looks_at_voltages() ? model.terminal_voltages(x, bus_v) : PhaseValues{};
-    if (bridges.margin(phase_currents(), v, bus_v) <= 0 &&
-        bridges.follow(phase_currents(), v, bus_v)) {
+    const AxisModel::Phases p = model.phases(bridges, x, bus_v);
+    if (bridges.margin(p.current_a, p.terminal_v, bus_v) <= 0 &&
+        bridges.follow(p.current_a, p.terminal_v, bus_v)) {
       follow_bridges();
       changed = true;
     }

@@ -52,15 +52,13 @@ void HalfBridges::set_faults(const BridgeFaults& faults, const PhaseValues& curr
   if (faults == faults_) return;
   faults_ = faults;
   healthy_ = faults == BridgeFaults{} && absent_ == std::array<bool, 3>{};
+  const auto broken = [](SwitchFault fault) { return fault != SwitchFault::kNone; };
+  needs_edges_ =
+      std::ranges::any_of(faults.upper, broken) || std::ranges::any_of(faults.lower, broken);
   lay_out_nodes();
   was_driven_ = {true, true, true};  // nodes are new: their diodes follow the currents
   const std::array<Gate, 3> wanted = std::exchange(wanted_, {});
   set_gates(wanted, share_, current_a);
-}
-
-bool HalfBridges::needs_edges() const {
-  const auto broken = [](SwitchFault fault) { return fault != SwitchFault::kNone; };
-  return std::ranges::any_of(faults_.upper, broken) || std::ranges::any_of(faults_.lower, broken);
 }
 
 void HalfBridges::set_gates(const std::array<Gate, 3>& gates, const PhaseValues& share,

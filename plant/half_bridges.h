@@ -58,7 +58,7 @@ class HalfBridges {
   const BridgeFaults& faults() const { return faults_; }
   bool healthy() const { return healthy_; }
   /// True if a switch's fault makes what happens within a PWM period matter.
-  bool needs_edges() const;
+  bool needs_edges() const { return needs_edges_; }
 
   /// `share` matters to Gate::kAveraged. A half bridge that loses its gates goes on conducting
   /// through the diode that its current asks for.
@@ -111,6 +111,7 @@ class HalfBridges {
   InverterParameters inverter_;
   std::array<bool, 3> absent_{};
   bool healthy_ = true;  // no fault, no phase absent
+  bool needs_edges_ = false;
   BridgeFaults faults_;
   std::array<int, 3> node_{0, 1, 2};  // of each phase; -1: not attached
   std::array<Gate, 3> wanted_{};      // as commanded

@@ -201,9 +201,7 @@ Dq Winding::state_with_current(Dq near, Dq current_a) const {
 Dq Winding::emf_beyond_sine(double electrical_rad, const Rotation& r) const {
   // With the magnets' flux on phase a at angle 0, its EMF rises through 0 at -180 degrees.
   const double turns = electrical_rad / (2 * pi) + 0.5;
-  const PeriodicTable& table = effects.emf.table;
-  const Dq shape =
-      park(clarke({table.at(turns), table.at(turns - 1.0 / 3), table.at(turns - 2.0 / 3)}), r);
+  const Dq shape = park(clarke(effects.emf.table.at_thirds(turns)), r);
   return {shape.d, shape.q - 1};
 }
 

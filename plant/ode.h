@@ -167,10 +167,12 @@ OdeOutcome OdeSolver<System>::advance_rk4(const System& system, double* x, doubl
   while (elapsed < duration_s) {
     const double left = duration_s - elapsed;
     // Equal steps instead of whole ones and a rest; but a bend of the derivative ends one.
-    const double steps = std::max(std::ceil(left / system.step_limit_s(x)), 1.0);
+    const double limit = system.step_limit_s(x);
+    const bool last = left <= limit;
+    const double step = last ? left : left / std::ceil(left / limit);
     const double kink = system.next_kink_s(x);
-    const bool bends = kink < left / steps;
-    const double h = bends ? kink : left / steps;
+    const bool bends = kink < step;
+    const double h = bends ? kink : step;
     rk4_step<N>(system, x, h, next);
     if (watched && system.margin(next) <= 0) {
       const double at = locate<N>(system, x, next, h);
@@ -178,44 +180,61 @@ OdeOutcome OdeSolver<System>::advance_rk4(const System& system, double* x, doubl
       return {elapsed + at, true};
     }
     std::copy_n(next, n, x);
-    elapsed = steps == 1 && !bends ? duration_s : elapsed + h;
+    elapsed = last && !bends ? duration_s : elapsed + h;
   }
   return {duration_s, false};
 }
 
-/// The first fall of the margin within the step from x, by the Illinois method on the length of
-/// the step: each trial is a whole RK4 step from x, so the state at the event is as good as any
-/// other. Leaves the state there in `after`.
+/// The first fall of the margin within the step from x. Each trial is a whole RK4 step from x, so
+/// the state at the event is as good as any other; it is left in `after`.
+///
+/// The margin is the least of several modes' own: a line through points on both sides of the event
+/// may join two that have nothing to do with each other. Behind it they are mostly of one, so it is
+/// a line through two points there that tells where to look; halving finds them. Trials aim a hair
+/// late, so that the one that is good enough lies behind the event.
 template <class System>
 template <int N>
 double OdeSolver<System>::locate(const System& system, double* x, double* after, double h) {
   constexpr std::size_t kCapacity = N > 0 ? N : kMostStates;
   const int n = N > 0 ? N : system.states();
-  double low = 0, high = h;
-  double g_low = system.margin(x), g_high = system.margin(after);
+  double low = 0, high = h, beyond = h;
+  double g_low = system.margin(x), g_high = system.margin(after), g_beyond = g_high;
   if (g_low <= 0) {
     std::copy_n(x, n, after);
     return 0;
   }
+  // What the margin falls by within that time, on the average of the step.
+  const double near_enough = (g_low - g_high) * kLocatedWithinS / h;
+  const auto crossing = [](double a, double g_a, double b, double g_b) {
+    return (a * g_b - b * g_a) / (g_b - g_a);
+  };
   double trial[kCapacity];
-  int side = 0;
-  for (int trials = 0; high - low > kLocatedWithinS && g_high < 0 && trials < kMostTrials;
-       ++trials) {
-    double middle = (low * g_high - high * g_low) / (g_high - g_low);
-    if (!(middle > low && middle < high)) middle = (low + high) / 2;
+  enum class Next { kHalve, kAcross, kBehind } next = Next::kHalve;
+  for (int trials = 0;
+       high - low > kLocatedWithinS && g_high < -near_enough && trials < kMostTrials; ++trials) {
+    double middle = low;
+    if (next == Next::kBehind) middle = crossing(high, g_high, beyond, g_beyond);
+    if (!(middle > low && middle < high) && next != Next::kHalve) {
+      next = Next::kAcross;
+      middle = crossing(low, g_low, high, g_high);
+    }
+    if (middle > low && middle < high)
+      middle += std::min(kLocatedWithinS / 16, (high - middle) / 2);
+    else
+      middle = (low + high) / 2;
     rk4_step<N>(system, x, middle, trial);
     const double g = system.margin(trial);
     if (g > 0) {
       low = middle;
       g_low = g;
-      if (side < 0) g_high /= 2;
-      side = -1;
+      next = next == Next::kBehind ? Next::kAcross : Next::kHalve;
     } else {
+      beyond = high;
+      g_beyond = g_high;
       high = middle;
       g_high = g;
+      next = Next::kBehind;
       std::copy_n(trial, n, after);
-      if (side > 0) g_low /= 2;
-      side = 1;
     }
   }
   return high;
