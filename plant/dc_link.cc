@@ -120,9 +120,10 @@ bool DcLink::settle(double* x) {
 bool DcLink::settle_on_mains(double* x) {
   double& v = x[kVoltage];
   const double load_a = board_current(v);
-  const double target = mains.resting_v(load_a, p.capacitance_f);
-  const double ripple = mains.resting_ripple_v(load_a, p.capacitance_f);
-  if (!mains.input().contact || std::fabs(v - target) > ripple + kSourceHysteresisV) return false;
+  const double target = mains.resting_v(load_a);
+  constexpr double kOfPeak = 1e-3;  // what the closed form may err by
+  const double band = mains.resting_ripple_v(load_a, p.capacitance_f) + kOfPeak * mains.peak_v();
+  if (!mains.input().contact || std::fabs(v - target) > band) return false;
   v = target;
   x[rectifier_at()] = 0;
   mains.conducts = false;

@@ -118,9 +118,14 @@ double RectifiedMains::next_corner_s(double phase_rad) const {
   return (std::floor(place + hair) + 1 - place) * corner_rad_ / omega_;
 }
 
-double RectifiedMains::resting_v(double current_a, double capacitance_f) const {
-  return std::max(
-      0.0, peak_v_ - resistance_ohm_ * current_a - resting_ripple_v(current_a, capacitance_f) / 2);
+// A small current flows in short pulses around the peaks of e: from the angle -a, where e = v, to
+// 2 a, with the charge 9/8 peak a^4 / (w^2 L).
+double RectifiedMains::resting_v(double current_a) const {
+  if (peak_v_ == 0) return 0;
+  const double charge_c = current_a * pulse_s_;
+  const double a =
+      std::sqrt(std::sqrt(charge_c * omega_ * omega_ * p.inductance_h / (1.125 * peak_v_)));
+  return std::max(0.0, peak_v_ * std::cos(std::min(a, 0.5)) - resistance_ohm_ * current_a);
 }
 
 double RectifiedMains::step_limit_s(double capacitance_f) const {

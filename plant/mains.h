@@ -64,7 +64,7 @@ class RectifiedMains {
   /// To the next peak or corner of e: neither is stepped over, so that no short pulse is missed.
   double next_corner_s(double phase_rad) const;
   /// Where a link comes to rest, on the average, that takes this current.
-  double resting_v(double current_a, double capacitance_f) const;
+  double resting_v(double current_a) const;
   double resting_ripple_v(double current_a, double capacitance_f) const {
     return current_a * pulse_s_ / capacitance_f;
   }

@@ -157,7 +157,7 @@ class AcDrive {
   std::uint16_t alarms() const;     // FC91, AlarmBit
   bool tripped() const;             // also while waiting for a retry
   Monitor monitor() const;          // FDxx
-  const Monitor& frozen() const;    // FExx: at the trip, else the present
+  Monitor frozen() const;           // FExx: at the trip, else the present
   bool fault_relay() const;         // FL
   std::uint16_t run_hours() const;  // FE14
   double bus_v() const;             // as measured

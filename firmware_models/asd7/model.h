@@ -32,9 +32,9 @@ struct Model {
   double standing_load_w;
   double braking_ohm, braking_w;  // resistor, an option
   double limit_raise_hz;          // how far the overvoltage limit lifts the frequency
-  double stator_ohm;      // as found by its tuning
-  double demagnetize_s;   // until the motor's own field is gone
-  double mains_ohm, mains_h;  // of the loop that feeds the link
+  double stator_ohm;              // as found by its tuning
+  double demagnetize_s;           // until the motor's own field is gone
+  double mains_ohm, mains_h;      // of the loop that feeds the link
   double charging_ohm;
   LinkLevels link;
   int capacity_code;  // FB05

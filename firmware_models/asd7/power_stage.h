@@ -11,8 +11,8 @@ namespace virtdrive::asd7 {
 
 struct Measured {
   PhaseValues current_a{};
-  AlphaBeta current;        // peak
-  double current2 = 0;      // square of the rms value
+  AlphaBeta current;    // peak
+  double current2 = 0;  // square of the rms value
   double bus_v = 0;
 };
 

@@ -108,8 +108,8 @@ Request request_of(const Asked& asked, const Settings& s) {
     r.frequency_source = static_cast<std::uint16_t>(FrequencySource::kSerial);
     hz = asked.frequency * kHundredth;
   } else {
-    r.frequency_source = t.local ? static_cast<std::uint16_t>(FrequencySource::kPanel)
-                                 : s.frequency_source;
+    r.frequency_source =
+        t.local ? static_cast<std::uint16_t>(FrequencySource::kPanel) : s.frequency_source;
     hz = source_hz(r.frequency_source, asked, s);
     if (s.source_switch == 1 && hz < 1 && !t.local) {
       r.frequency_source = s.frequency_source2;
