@@ -40,7 +40,16 @@ bool DcBus::chopper_on() const {
 }
 double DcBus::chopper_degc() const {
   const Circuit& c = *circuit_;
-  return c.link_states > 1 ? c.x[DcLink::kChopperDegc] : c.link.p.chopper.ambient_degc;
+  return c.link.has_chopper() ? c.x[DcLink::kChopperDegc] : c.link.p.chopper.ambient_degc;
+}
+void DcBus::set_mains(const MainsInput& input) {
+  circuit_->set_mains(input);
+}
+const MainsInput& DcBus::mains() const {
+  return circuit_->link.mains.input();
+}
+void DcBus::set_chopper(bool enabled) {
+  circuit_->set_chopper(enabled);
 }
 bool DcBus::at_rest() const {
   return circuit_->at_rest();
@@ -117,6 +126,11 @@ double Axis::link_current_a() const {
 PhaseValues Axis::terminal_voltages_v() const {
   return unit_->bridges.terminal_voltages(
       unit_->model.terminal_voltages(unit_->x, circuit_->bus_v()), circuit_->bus_v());
+}
+double Axis::main_flux_wb() const {
+  if (!unit_->model.winding.cage()) return 0;
+  const Dq flux = unit_->model.main_flux(unit_->x);
+  return std::hypot(flux.d, flux.q);
 }
 double Axis::torque_nm() const {
   return unit_->torque();

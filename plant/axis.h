@@ -41,9 +41,10 @@ struct AxisParameters {
 };
 
 struct AxisState {
-  double i_d_a = 0, i_q_a = 0;  // peak of the phase current; brushed: 2/sqrt(3) of it is i_q
-  double speed_radps = 0;       // mechanical
-  double angle_rad = 0;         // mechanical, counted on over the turns
+  // Peak of the phase current; brushed: 2/sqrt(3) of it is i_q; induction machine: alpha and beta.
+  double i_d_a = 0, i_q_a = 0;
+  double speed_radps = 0;  // mechanical
+  double angle_rad = 0;    // mechanical, counted on over the turns
   double bus_v = 0;
 };
 
@@ -83,6 +84,12 @@ class DcBus {
   void set_source_voltage(double source_v);
   /// The supply's switch; switched off, the capacitor feeds the board and the axes.
   void set_supply(bool on);
+
+  /// Of a link on mains: dips, lost phases, the charging contact. Levels are 0..1.5.
+  void set_mains(const MainsInput& input);
+  const MainsInput& mains() const;
+  /// Whether the chopper may turn on; it may from the start.
+  void set_chopper(bool enabled);
 
   const DcLinkParameters& parameters() const;
   bool supply_on() const;
@@ -142,6 +149,8 @@ class Axis {
   double link_current_a() const;
   /// At the terminals, against the lower rail; NaN where nothing ties the winding to a rail.
   PhaseValues terminal_voltages_v() const;
+  /// Of an induction machine: main flux, peak, linked per phase; else 0.
+  double main_flux_wb() const;
   /// Air-gap torque.
   double torque_nm() const;
   /// What the load (not the motor's own friction) asks of the shaft, positive against positive

@@ -7,7 +7,7 @@ namespace virtdrive {
 
 double AxisModel::torque(const double* x) const {
   Electrical e;
-  e.point = winding.at({x[kD], x[kQ]});
+  e.point = point(x);
   if (!winding.sinusoidal()) {
     e.beyond_sine = winding.emf_beyond_sine(electrical_angle(x), frame(x));
   }
@@ -32,6 +32,12 @@ void AxisModel::heat(const double* x, const Winding::Point& p, double* dx) const
   const double* degc = x + temperatures_at();
   const Dq i = p.current_a;
   const double copper_w = 1.5 * winding.resistance_ohm() * (i.d * i.d + i.q * i.q);
+  double rotor_w = 0;  // leaves through shaft and air: counted to the housing
+  if (winding.cage()) {
+    const Dq rotor = cage_at(x).rotor_current_a;
+    rotor_w =
+        1.5 * winding.cage()->rotor_resistance_ohm() * (rotor.d * rotor.d + rotor.q * rotor.q);
+  }
   const double w = electrical_speed(x);
   const double flux2 = p.flux_wb.d * p.flux_wb.d + p.flux_wb.q * p.flux_wb.q;
   const double iron_w = (winding.effects.iron_eddy_w_per_v2 * w * w +
@@ -40,7 +46,7 @@ void AxisModel::heat(const double* x, const Winding::Point& p, double* dx) const
   const double to_housing = (degc[0] - degc[1]) / t.winding_housing_k_per_w;
   const double to_ambient = (degc[1] - t.ambient_degc) / t.housing_ambient_k_per_w;
   dx[temperatures_at()] = (copper_w - to_housing) / t.winding_j_per_k;
-  dx[temperatures_at() + 1] = (to_housing + iron_w - to_ambient) / t.housing_j_per_k;
+  dx[temperatures_at() + 1] = (to_housing + iron_w + rotor_w - to_ambient) / t.housing_j_per_k;
 }
 
 double AxisModel::hold_floating_phase(const double* x, const Rotation& r, const Winding::Point& p,
@@ -78,6 +84,7 @@ PhaseValues AxisModel::terminal_voltages(const double* x, double bus_v, const Ro
         electrical(x, bus_v, [&] { return r; }).floating_v;
     return v;
   }
+  if (winding.cage()) return inverse_clarke(inverse_park(cage_at(x).emf_v, r));
   const Dq beyond = winding.sinusoidal() ? Dq{} : winding.emf_beyond_sine(electrical_angle(x), r);
   return inverse_clarke(inverse_park(emf(x, winding.at({x[kD], x[kQ]}), beyond), r));
 }
@@ -94,13 +101,13 @@ double AxisModel::margin(const HalfBridges& bridges, const double* x, double bus
 double AxisModel::shaft_margin(const double* x) const {
   if (!shaft.watched()) return std::numeric_limits<double>::infinity();
   if (shaft.motion != Motion::kStuck) return shaft.margin(x + kShaft, 0, 0);
-  return shaft.margin(x + kShaft, torque(x), drag(winding.at({x[kD], x[kQ]})));
+  return shaft.margin(x + kShaft, torque(x), drag(point(x)));
 }
 
 /// An EMF whose peak exceeds the link passes it for a sliver of each sixth of a turn: steps must be
 /// short beside that, or they leap over it.
 double AxisModel::open_turn_rad(const double* x, double bus_v) const {
-  const Dq flux = winding.at({x[kD], x[kQ]}).flux_wb;
+  const Dq flux = point(x).flux_wb;
   const double peak_v =
       std::numbers::sqrt3 * std::hypot(flux.d, flux.q) * std::fabs(electrical_speed(x));
   constexpr double kOfShapes = 1.2;  // a trapezoid's line voltage is up to 15 % higher
@@ -122,7 +129,7 @@ double AxisModel::next_corner_s(const double* x) const {
 void AxisModel::drop_blocked_current(double* x) const {
   if (connection.conduction == Conduction::kTerminals) return;
   const Dq state{x[kD], x[kQ]};
-  Dq i = winding.at(state).current_a;
+  Dq i = current(x);
   if (connection.conduction == Conduction::kSeries) {
     const Dq u = park(connection.floating_axis, frame(x));
     const double rest = i.d * u.d + i.q * u.q;
@@ -133,9 +140,23 @@ void AxisModel::drop_blocked_current(double* x) const {
   } else {
     i = {};
   }
+  if (const SquirrelCage* cage = winding.cage()) {
+    const Dq rotor = cage->rotor_flux_wb(state, main_flux(x));
+    const Dq psi = cage->main_flux_wb(rotor, i);
+    x[flux_at()] = psi.d;
+    x[flux_at() + 1] = psi.q;
+  }
   const Dq allowed = winding.state_with_current(state, i);
   x[kD] = allowed.d;
   x[kQ] = allowed.q;
+}
+
+void AxisModel::drop_last_flux(double* x) const {
+  const SquirrelCage* cage = winding.cage();
+  if (cage == nullptr || connection.conduction != Conduction::kOpen || without_flux(x)) return;
+  const Dq psi = main_flux(x);
+  if (std::hypot(psi.d, psi.q) > cage->no_flux_wb()) return;
+  x[flux_at()] = x[flux_at() + 1] = 0;
 }
 
 }  // namespace virtdrive

@@ -1,6 +1,7 @@
 // One axis between two events: winding, bridge and shaft as they are held, and the derivative.
 //
-// States: two of the winding (dq), the shaft's (2 or 4), with a thermal model two temperatures.
+// States: two of the winding (dq; of an induction machine alpha, beta), the shaft's (2 or 4), with
+// a thermal model two temperatures, of an induction machine the main flux (2).
 #pragma once
 
 #include <cmath>
@@ -13,12 +14,16 @@
 namespace virtdrive {
 
 struct AxisModel {
+  /// An induction machine's field turns by 0.1 rad in this at 64 Hz; its leakage is slower.
+  static constexpr double kCageStepS = 250e-6;
   static constexpr int kD = 0, kQ = 1, kShaft = 2, kSpeed = 2, kAngle = 3;
 
   /// What the winding does at a state.
   struct Electrical {
     Winding::Point point{};
     Dq state_rate;
+    Dq main_flux_rate;      // of an induction machine
+    Dq cage_emf_v;          // the same while the stator's current is held
     Dq beyond_sine;         // of the EMF's shape
     double bridge_a = 0;    // out of the link
     double floating_v = 0;  // Conduction::kSeries: voltage of the floating terminal, by the others'
@@ -26,7 +31,8 @@ struct AxisModel {
 
   AxisModel(const Winding& w, const Shaft& s) : winding(w), shaft(s) {}
 
-  int states() const { return kShaft + shaft.states() + (thermal() ? 2 : 0); }
+  int states() const { return flux_at() + (winding.cage() ? 2 : 0); }
+  int flux_at() const { return temperatures_at() + (thermal() ? 2 : 0); }
   int temperatures_at() const { return kShaft + shaft.states(); }
   bool thermal() const { return winding.effects.thermal.winding_housing_k_per_w > 0; }
 
@@ -36,10 +42,11 @@ struct AxisModel {
   /// along a - b.
   Rotation frame(const double* x) const {
     if (winding.effects.commutator) return brushes();
+    if (winding.cage()) return {};
     return Rotation(electrical_angle(x));
   }
   double frame_speed(const double* x) const {
-    return winding.effects.commutator ? 0 : electrical_speed(x);
+    return winding.effects.commutator || winding.cage() ? 0 : electrical_speed(x);
   }
 
   Electrical electrical(const double* x, double bus_v) const {
@@ -78,15 +85,19 @@ struct AxisModel {
     return terminal_voltages(x, bus_v, frame(x));
   }
   PhaseValues terminal_voltages(const double* x, double bus_v, const Rotation& r) const;
-  Dq current(const double* x) const { return winding.at({x[kD], x[kQ]}).current_a; }
+  Dq current(const double* x) const { return point(x).current_a; }
+  Dq main_flux(const double* x) const { return {x[flux_at()], x[flux_at() + 1]}; }
+  Winding::Point point(const double* x) const {
+    return winding.cage() ? cage_point(x, cage_at(x)) : winding.at({x[kD], x[kQ]});
+  }
 
   bool watched(const HalfBridges& bridges) const { return bridges.watched() || shaft.watched(); }
   double margin(const HalfBridges& bridges, const double* x, double bus_v) const;
   double shaft_margin(const double* x) const;
   double step_limit_s(const double* x, double bus_v) const {
     const double turn = connection.conduction == Conduction::kOpen ? open_turn_rad(x, bus_v) : 0.1;
-    return std::min({50e-6, winding.step_limit_s(), shaft.step_limit_s(),
-                     turn / (std::fabs(electrical_speed(x)) + 1)});
+    return std::min({winding.cage() ? kCageStepS : 50e-6, winding.step_limit_s(),
+                     shaft.step_limit_s(), turn / (std::fabs(electrical_speed(x)) + 1)});
   }
   double next_kink_s(const double* x) const {
     return winding.corner_distance_rad() == 0 ? std::numeric_limits<double>::infinity()
@@ -95,12 +106,27 @@ struct AxisModel {
   /// Takes away the current that the connection does not allow: rounding after a diode's event,
   /// all of it when a wire breaks.
   void drop_blocked_current(double* x) const;
+  /// What is left of a field that nothing feeds any more.
+  void drop_last_flux(double* x) const;
+  bool without_flux(const double* x) const {
+    return !winding.cage() || (x[flux_at()] == 0 && x[flux_at() + 1] == 0);
+  }
 
   Winding winding;
   Shaft shaft;
   Connection connection;
 
  private:
+  SquirrelCage::Point cage_at(const double* x) const {
+    return winding.cage()->at({x[kD], x[kQ]}, main_flux(x), electrical_speed(x));
+  }
+  Winding::Point cage_point(const double* x, const SquirrelCage::Point& cage) const {
+    const double leakage = winding.cage()->parameters.stator_leakage_h;
+    const Dq psi = main_flux(x);
+    return {{x[kD], x[kQ]}, {psi.d + leakage * x[kD], psi.q + leakage * x[kQ]},
+            cage.dd,        cage.dq,
+            cage.dq,        cage.qq};
+  }
   static Rotation brushes() {
     Rotation r;
     r.cosine = -0.5;
@@ -129,7 +155,14 @@ template <class Frame>
 inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v,
                                                    const Frame& rotation) const {
   Electrical e;
-  e.point = winding.at({x[kD], x[kQ]});
+  const bool cage = winding.cage() != nullptr;
+  if (cage) {
+    const SquirrelCage::Point rotor = cage_at(x);
+    e.point = cage_point(x, rotor);
+    e.cage_emf_v = e.main_flux_rate = rotor.emf_v;
+  } else {
+    e.point = winding.at({x[kD], x[kQ]});
+  }
   if (connection.conduction == Conduction::kOpen) return e;
   const Dq i = e.point.current_a;
   const double resistance = winding.loop.resistance_ohm;
@@ -138,7 +171,7 @@ inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v
     const Rotation r = rotation();
     if (!winding.sinusoidal()) e.beyond_sine = winding.emf_beyond_sine(electrical_angle(x), r);
     const Dq share = park(connection.share, r);
-    const Dq emf_v = emf(x, e.point, e.beyond_sine);
+    const Dq emf_v = cage ? e.cage_emf_v : emf(x, e.point, e.beyond_sine);
     flux_rate.d += bus_v * share.d - emf_v.d;
     flux_rate.q += bus_v * share.q - emf_v.q;
     if (connection.offset) {
@@ -152,12 +185,18 @@ inline AxisModel::Electrical AxisModel::electrical(const double* x, double bus_v
       e.floating_v = hold_floating_phase(x, r, e.point, flux_rate);
     }
   } else {
-    const Dq emf_v = emf(x, e.point, {});
+    const Dq emf_v = cage ? e.cage_emf_v : emf(x, e.point, {});
     flux_rate.d -= emf_v.d;
     flux_rate.q -= emf_v.q;
   }
   e.bridge_a += connection.short_conductance * bus_v;
+  if (connection.loss_share > 0) e.bridge_a += connection.loss_share * std::hypot(i.d, i.q);
   e.state_rate = winding.state_rate(e.point, flux_rate);
+  if (cage) {
+    const double leakage = winding.cage()->parameters.stator_leakage_h;
+    e.main_flux_rate.d += flux_rate.d - leakage * e.state_rate.d;
+    e.main_flux_rate.q += flux_rate.q - leakage * e.state_rate.q;
+  }
   return e;
 }
 
@@ -193,6 +232,10 @@ inline double AxisModel::derivative(const double* x, double bus_v, double* dx) c
   dx[kQ] = e.state_rate.q;
   shaft.derivative(x + kShaft, torque(e, x), drag(e.point), dx + kShaft);
   if (thermal()) heat(x, e.point, dx);
+  if (winding.cage()) {
+    dx[flux_at()] = e.main_flux_rate.d;
+    dx[flux_at() + 1] = e.main_flux_rate.q;
+  }
   return e.bridge_a;
 }
 

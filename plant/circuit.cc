@@ -38,6 +38,11 @@ void add_tolerances(const AxisUnit& unit, double scale, std::vector<double>& rel
     add(1, 1);
     add(1, 1);
   }
+  if (model.winding.cage()) {
+    const double flux = 0.1 * motor.rated_current_a * model.winding.least_inductance_h();
+    add(1, flux);
+    add(1, flux);
+  }
 }
 
 AxisParameters checked(const AxisParameters& p) {
@@ -321,7 +326,7 @@ bool AxisUnit::at_rest() const {
   return command_.mode == Bridge::kOff && next_step_at_ == kNever &&
          model.connection.conduction == Conduction::kOpen &&
          model.connection.short_conductance == 0 && model.shaft.at_rest(x + AxisModel::kShaft) &&
-         (model.shaft.motion == Motion::kStuck || torque() == 0);
+         (model.shaft.motion == Motion::kStuck || torque() == 0) && model.without_flux(x);
 }
 
 Circuit::Circuit(const DcLinkParameters& parameters, Integrator integrator, double tol)
@@ -331,7 +336,7 @@ Circuit::Circuit(const DcLinkParameters& parameters, Integrator integrator, doub
       x(link_states),
       solver(integrator) {
   x[DcLink::kVoltage] = parameters.source_v;
-  if (link_states > 1) x[DcLink::kChopperDegc] = parameters.chopper.ambient_degc;
+  if (link.has_chopper()) x[DcLink::kChopperDegc] = parameters.chopper.ambient_degc;
   choose_active();
 }
 
@@ -363,7 +368,7 @@ void Circuit::choose_active() {
     x.resize(link_states);
     relative = {tolerance};
     absolute = {tolerance * std::max(1.0, link.p.source_v)};
-    if (link_states > 1) {
+    while (relative.size() < link_states) {
       relative.push_back(tolerance);
       absolute.push_back(tolerance);
     }
@@ -422,6 +427,7 @@ void Circuit::advance_to(SimTime t) {
         if (unit->model.thermal()) unit->update_temperatures();
       }
     }
+    if (link.mains.any() && !at_rest()) until = std::min(until, now + next_corner());
     const double duration_s = seconds(until - now);
     for (const auto& unit : units) {
       if (!unit->active) unit->rest(duration_s);
@@ -472,12 +478,27 @@ void Circuit::set_source(double source_v, bool on) {
   inputs_changed();
 }
 
+void Circuit::set_mains(const MainsInput& input) {
+  link.mains.set_input(input);
+  inputs_changed();
+}
+
+void Circuit::set_chopper(bool enabled) {
+  link.set_chopper(enabled);
+  inputs_changed();
+}
+
+/// Of the mains, at least a nanosecond away.
+SimDuration Circuit::next_corner() const {
+  return std::max(from_seconds(link.next_corner_s(x.data())), SimDuration{1});
+}
+
 double Circuit::source_current() const {
   double bridge_a = 0;
   for (const AxisUnit* unit : active) {
     bridge_a += unit->model.electrical(unit->x, bus_v()).bridge_a;
   }
-  return link.source_current(bus_v(), bridge_a);
+  return link.source_current(x.data(), bridge_a);
 }
 
 }  // namespace virtdrive

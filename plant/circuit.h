@@ -29,7 +29,10 @@ class AxisUnit {
   /// Changes what has ended; true if anything did.
   bool follow(double bus_v);
   /// Where an integration ends: takes away what rounding left.
-  void tidy() { model.drop_blocked_current(x); }
+  void tidy() {
+    model.drop_blocked_current(x);
+    model.drop_last_flux(x);
+  }
   void update_temperatures();
   /// Cools for as long as it has rested.
   void rest(double duration_s);
@@ -37,7 +40,7 @@ class AxisUnit {
   bool at_rest() const;
   PhaseValues phase_currents() const { return model.phase_currents(x); }
   double torque() const { return model.torque(x); }
-  double drag() const { return model.drag(model.winding.at({x[0], x[1]})); }
+  double drag() const { return model.drag(model.point(x)); }
   double winding_degc() const;
   double magnet_degc() const;
 
@@ -81,6 +84,8 @@ struct Circuit {
   /// After any input: modes that have ended by it, and who takes part from now on.
   void inputs_changed(AxisUnit* unit = nullptr);
   void set_source(double source_v, bool on);
+  void set_mains(const MainsInput& input);
+  void set_chopper(bool enabled);
   double bus_v() const { return x[DcLink::kVoltage]; }
   double source_current() const;
   bool at_rest() const { return active.empty() && settled; }
@@ -157,6 +162,7 @@ struct Circuit {
   void integrate(double duration_s);
   void choose_active();
   bool axes_without_current() const;
+  SimDuration next_corner() const;
 };
 
 }  // namespace virtdrive

@@ -1,6 +1,7 @@
 #include "plant/dc_link.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace virtdrive {
 namespace {
@@ -23,6 +24,7 @@ void validate(const DcLinkParameters& link) {
   require(not_negative(link.board_ohm), "board_ohm must be 0 or more", link.board_ohm);
   require(not_negative(link.board_w), "board_w must be 0 or more", link.board_w);
   require(positive(link.board_cutoff_v), "board_cutoff_v must be above 0", link.board_cutoff_v);
+  validate(link.mains);
   const BrakeChopper& c = link.chopper;
   require(not_negative(c.on_v), "chopper on_v must be 0 or more", c.on_v);
   if (c.on_v == 0) return;
@@ -35,23 +37,23 @@ void validate(const DcLinkParameters& link) {
           c.ambient_k_per_w);
 }
 
-DcLink::DcLink(const DcLinkParameters& parameters) : p(parameters) {
+DcLink::DcLink(const DcLinkParameters& parameters) : p(parameters), mains(parameters.mains) {
   validate(p);
-  ideal = p.resistance_ohm == 0;
+  ideal = p.resistance_ohm == 0 && !mains.any();
   draws = p.board_ohm > 0 || p.board_w > 0;
-  source_conductance = ideal ? 0 : 1 / p.resistance_ohm;
+  source_conductance = p.resistance_ohm == 0 || mains.any() ? 0 : 1 / p.resistance_ohm;
   inverse_capacitance = 1 / p.capacitance_f;
   board_conductance = p.board_ohm > 0 ? 1 / p.board_ohm : 0;
   // Half of the source's time constant keeps RK4 stable and errs by 5e-4 of a step of its voltage;
   // the slow ones can have more.
   double slow = board_conductance + p.board_w / (p.board_cutoff_v * p.board_cutoff_v);
-  if (p.chopper.on_v > 0) slow += 1 / p.chopper.resistance_ohm;
+  if (has_chopper()) slow += 1 / p.chopper.resistance_ohm;
   const double rate = std::max(2 * source_conductance, 10 * slow);
   step_limit = rate > 0 ? p.capacitance_f / rate : std::numeric_limits<double>::infinity();
 }
 
-bool DcLink::follow(const double* x) {
-  bool changed = false;
+bool DcLink::follow(double* x) {
+  bool changed = mains.any() && mains.follow(x[phase_at()], x[rectifier_at()], x[kVoltage]);
   if (has_diode()) {
     const double above = x[kVoltage] - p.source_v;
     if (kSourceHysteresisV + (feeds ? -above : above) <= 0) {
@@ -59,7 +61,7 @@ bool DcLink::follow(const double* x) {
       changed = true;
     }
   }
-  if (p.chopper.on_v > 0) {
+  if (chopper_enabled()) {
     const double left = chopper_on ? x[kVoltage] - p.chopper.off_v : p.chopper.on_v - x[kVoltage];
     if (left <= 0) {
       chopper_on = !chopper_on;
@@ -79,6 +81,11 @@ void DcLink::set_source(double* x, double source_v, bool switched_on) {
   feeds = x[kVoltage] <= source_v;
 }
 
+void DcLink::set_chopper(bool enabled) {
+  chopper_off = !enabled;
+  if (chopper_off) chopper_on = false;
+}
+
 /// Of a source that feeds: (E - V) / R = board current.
 double DcLink::equilibrium_v() const {
   double v = p.source_v;
@@ -91,11 +98,12 @@ double DcLink::equilibrium_v() const {
   return v;
 }
 
-bool DcLink::settle(double* x) const {
+bool DcLink::settle(double* x) {
   double& v = x[kVoltage];
   if (chopper_on) return false;
   if (pinned()) return true;
-  const bool fed = on && (p.absorbs || v <= p.source_v + kSourceHysteresisV);
+  if (mains.any() && mains.peak_v() > 0 && v <= mains.peak_v()) return settle_on_mains(x);
+  const bool fed = !mains.any() && on && (p.absorbs || v <= p.source_v + kSourceHysteresisV);
   if (!fed) {
     if (!draws) return true;
     if (v > kEmptyV) return false;
@@ -108,8 +116,26 @@ bool DcLink::settle(double* x) const {
   return true;
 }
 
+/// At rest the link stands at the mean that the standing load leaves; its ripple is not followed.
+bool DcLink::settle_on_mains(double* x) {
+  double& v = x[kVoltage];
+  const double load_a = board_current(v);
+  const double target = mains.resting_v(load_a);
+  constexpr double kOfPeak = 1e-3;  // what the closed form may err by
+  const double band = mains.resting_ripple_v(load_a, p.capacitance_f) + kOfPeak * mains.peak_v();
+  if (!mains.input().contact || std::fabs(v - target) > band) return false;
+  v = target;
+  x[rectifier_at()] = 0;
+  mains.conducts = false;
+  return true;
+}
+
 void DcLink::rest(double* x, double duration_s) const {
-  if (states() < 2) return;
+  if (mains.any()) {
+    constexpr double kTurn = 2 * std::numbers::pi;
+    x[phase_at()] = std::fmod(x[phase_at()] + mains.phase_rate() * duration_s, kTurn);
+  }
+  if (!has_chopper()) return;
   const BrakeChopper& c = p.chopper;
   const double left = std::exp(-duration_s / (c.ambient_k_per_w * c.heat_capacity_j_per_k));
   x[kChopperDegc] = c.ambient_degc + (x[kChopperDegc] - c.ambient_degc) * left;

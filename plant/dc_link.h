@@ -3,7 +3,8 @@
 //   C dV/dt = i_source - i_bridges - i_board - i_chopper
 //
 //   source    (E - V) / R through a diode, so that regeneration pumps the link up; or a battery,
-//             which takes back as well; or without resistance ideal: V = E while it is switched on
+//             which takes back as well; or without resistance ideal: V = E while it is switched on;
+//             or mains behind a diode bridge (mains.h)
 //   board     V / R and P / V: what drains the link when the supply is switched off
 //   chopper   a resistor, on from on_v until the link has fallen to off_v; its heat is a state
 #pragma once
@@ -12,6 +13,7 @@
 #include <limits>
 
 #include "core/check.h"
+#include "plant/mains.h"
 
 namespace virtdrive {
 
@@ -25,8 +27,9 @@ struct BrakeChopper {
 };
 
 struct DcLinkParameters {
-  double source_v = 24;         // open-circuit voltage, >= 0
+  double source_v = 24;         // open-circuit voltage, >= 0; with mains only the first charge
   double resistance_ohm = 0.1;  // of source and leads; 0: ideal source
+  MainsParameters mains{};      // instead of that source
   double capacitance_f = 1e-3;  // > 0 (without effect while an ideal source is on)
   bool absorbs = false;         // a battery: current may flow back
   double board_ohm = 0;         // bleeder and the like; 0: none
@@ -43,16 +46,22 @@ inline constexpr double kSourceHysteresisV = 1e-6;
 void validate(const DcLinkParameters& link);
 
 /// The link between two events: held inputs, modes, and the derivative. States: the voltage and,
-/// with a chopper, its resistor's temperature.
+/// with a chopper, its resistor's temperature; with mains, their phase and the bridge's current.
 struct DcLink {
   enum State { kVoltage, kChopperDegc };
 
   explicit DcLink(const DcLinkParameters& parameters);
 
-  int states() const { return p.chopper.on_v > 0 ? 2 : 1; }
+  int states() const { return 1 + (has_chopper() ? 1 : 0) + (mains.any() ? 2 : 0); }
+  bool has_chopper() const { return p.chopper.on_v > 0; }
+  int phase_at() const { return has_chopper() ? 2 : 1; }
+  int rectifier_at() const { return phase_at() + 1; }
   bool pinned() const { return ideal && on; }
 
-  double source_current(double v, double bridge_a) const {
+  /// `x` matters to mains only.
+  double source_current(const double* x, double bridge_a) const {
+    const double v = x[kVoltage];
+    if (mains.any()) return x[rectifier_at()];
     if (!on) return 0;
     if (ideal) return bridge_a + board_current(v) + chopper_current(v);
     const double i = (p.source_v - v) * source_conductance;
@@ -70,17 +79,22 @@ struct DcLink {
     const double v = x[kVoltage];
     dx[kVoltage] = pinned()
                        ? 0
-                       : (source_current(v, 0) - bridge_a - board_current(v) - chopper_current(v)) *
+                       : (source_current(x, 0) - bridge_a - board_current(v) - chopper_current(v)) *
                              inverse_capacitance;
-    if (states() > 1) {
+    if (has_chopper()) {
       const BrakeChopper& c = p.chopper;
       dx[kChopperDegc] =
           (v * chopper_current(v) - (x[kChopperDegc] - c.ambient_degc) / c.ambient_k_per_w) /
           c.heat_capacity_j_per_k;
     }
+    if (mains.any()) {
+      const double phase = x[phase_at()], i = x[rectifier_at()];
+      dx[phase_at()] = mains.phase_rate();
+      dx[rectifier_at()] = mains.current_rate(phase, i, v);
+    }
   }
 
-  bool watched() const { return has_diode() || p.chopper.on_v > 0; }
+  bool watched() const { return has_diode() || mains.any() || chopper_enabled(); }
   /// Positive while the modes hold.
   double margin(const double* x) const {
     double least = std::numeric_limits<double>::infinity();
@@ -88,36 +102,51 @@ struct DcLink {
       const double above = x[kVoltage] - p.source_v;
       least = kSourceHysteresisV + (feeds ? -above : above);
     }
-    if (p.chopper.on_v > 0) {
+    if (mains.any()) {
+      least = mains.margin(x[phase_at()], x[rectifier_at()], x[kVoltage]);
+    }
+    if (chopper_enabled()) {
       least = std::min(least,
                        chopper_on ? x[kVoltage] - p.chopper.off_v : p.chopper.on_v - x[kVoltage]);
     }
     return least;
   }
   /// Changes the modes that have ended; true if any did.
-  bool follow(const double* x);
+  bool follow(double* x);
 
   void set_source(double* x, double source_v, bool switched_on);
+  void set_chopper(bool enabled);
+  /// Mains: to the next peak or corner of their voltage; infinite without.
+  double next_corner_s(const double* x) const {
+    return mains.any() ? mains.next_corner_s(x[phase_at()])
+                       : std::numeric_limits<double>::infinity();
+  }
 
   /// Nothing will change while no bridge takes or gives current. Puts the last microvolt to where
   /// the voltage tends.
-  bool settle(double* x) const;
+  bool settle(double* x);
   /// What the time does to a settled link: the chopper's resistor cools.
   void rest(double* x, double duration_s) const;
 
-  double step_limit_s() const { return step_limit; }
+  double step_limit_s() const {
+    return mains.any() ? std::min(step_limit, mains.step_limit_s(p.capacitance_f)) : step_limit;
+  }
 
   DcLinkParameters p;
+  RectifiedMains mains;
   bool ideal = false, draws = false;
   double source_conductance = 0, inverse_capacitance = 0, board_conductance = 0;
   double step_limit = 0;
   bool on = true;     // the supply's switch
   bool feeds = true;  // the source's diode
   bool chopper_on = false;
+  bool chopper_off = false;  // not enabled
 
  private:
-  bool has_diode() const { return on && !ideal && !p.absorbs; }
+  bool has_diode() const { return on && !ideal && !p.absorbs && !mains.any(); }
+  bool chopper_enabled() const { return has_chopper() && !chopper_off; }
   double equilibrium_v() const;
+  bool settle_on_mains(double* x);
 };
 
 }  // namespace virtdrive

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/check.h"
@@ -70,7 +71,8 @@ void HalfBridges::set_gates(const std::array<Gate, 3>& gates, const PhaseValues&
   share_ = share;
   if (only_duty) {
     connection_.share = clarke(share);
-    connection_.driving = connection_.plain = share[0] != share[1] || share[1] != share[2];
+    connection_.driving = share[0] != share[1] || share[1] != share[2];
+    connection_.plain = connection_.driving && connection_.loss_share == 0;
     return;
   }
   for (std::size_t x = 0; x < 3; ++x) {
@@ -200,8 +202,9 @@ void HalfBridges::connect() {
   c.driving = c.conduction != Conduction::kTerminals || share[0] != share[1] ||
               share[1] != share[2] || offset[0] != offset[1] || offset[1] != offset[2];
   c.short_conductance = short_conductance();
-  c.plain =
-      c.driving && c.conduction == Conduction::kTerminals && !c.offset && c.short_conductance == 0;
+  c.loss_share = c.conduction == Conduction::kOpen ? 0 : inverter_.loss_share / std::numbers::sqrt2;
+  c.plain = c.loss_share == 0 && c.driving && c.conduction == Conduction::kTerminals && !c.offset &&
+            c.short_conductance == 0;
   connection_ = c;
 }
 
@@ -302,6 +305,13 @@ bool HalfBridges::turn_off(const PhaseValues& current_a) {
     if ((diodes_[node] == Diode::kLower ? i : -i) + kZeroCurrentA > 0) continue;
     diodes_[node] = Diode::kBlocked;
     changed = true;
+  }
+  if (changed && gates_off()) {
+    // Two that share a current equally lose it when the third does: none of them sees it cross 0.
+    const auto gone = [&](int n) {
+      return std::fabs(node_current(n, current_a)) <= 2 * kZeroCurrentA;
+    };
+    if (gone(0) && gone(1) && gone(2)) diodes_ = {};
   }
   return changed;
 }

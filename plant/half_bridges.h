@@ -46,6 +46,7 @@ struct Connection {
   AlphaBeta floating_axis;       // kSeries: direction of the phase without current
   int floating = -1;             // kSeries: that phase
   double short_conductance = 0;  // across the link, through switches that fight each other
+  double loss_share = 0;         // link current that switches lose, per peak of the phase current
 };
 
 class HalfBridges {

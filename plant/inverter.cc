@@ -14,6 +14,7 @@ void validate(const InverterParameters& inverter) {
   require(not_negative(inverter.on_resistance_ohm), "on_resistance_ohm",
           inverter.on_resistance_ohm);
   require(not_negative(inverter.diode_v), "diode_v", inverter.diode_v);
+  require(not_negative(inverter.loss_share), "loss_share", inverter.loss_share);
 }
 
 PhaseValues effective_duty(const BridgeCommand& command, const PhaseValues& current_a, double bus_v,

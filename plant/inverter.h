@@ -45,6 +45,7 @@ struct InverterParameters {
   double on_resistance_ohm = 0;  // of a switch, and of a diode beyond its forward voltage, >= 0
   double diode_v = 0;            // forward voltage of a body diode, >= 0
   bool switched = false;         // edges as events; needs BridgeCommand::pwm_period
+  double loss_share = 0;  // of link voltage times phase current (rms): drawn from the link, >= 0
 };
 
 /// Throws SetupError unless every value is in its range.

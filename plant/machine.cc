@@ -87,6 +87,17 @@ PmsmParameters bldc_line_to_line(int pole_pairs, double resistance_ohm, double i
           .rated_current_a = rated_current_a};
 }
 
+PmsmParameters induction_stator(int pole_pairs, double resistance_ohm, const CageParameters& cage,
+                                double rated_current_a) {
+  validate(cage);
+  const double inductance_h = SquirrelCage(cage).transient_inductance_h();
+  return {.pole_pairs = pole_pairs,
+          .resistance_ohm = resistance_ohm,
+          .inductance_d_h = inductance_h,
+          .inductance_q_h = inductance_h,
+          .rated_current_a = rated_current_a};
+}
+
 void validate(const MachineEffects& e) {
   validate(e.emf.table, "the EMF's shape needs 4 or more samples");
   require(e.emf.table.values().size() % 3 == 0, "the EMF's shape needs a multiple of 3 samples",
@@ -110,6 +121,7 @@ void validate(const MachineEffects& e) {
       require(exponent >= 0 && exponent <= 10, "saturation exponents are 0..10", exponent);
     }
   }
+  if (e.cage) validate(*e.cage);
   const ThermalParameters& t = e.thermal;
   require(not_negative(t.winding_housing_k_per_w), "winding_housing_k_per_w must be 0 or more",
           t.winding_housing_k_per_w);
@@ -148,12 +160,16 @@ Winding::Winding(const PmsmParameters& m, const MachineEffects& e, double series
       }
     }
   }
+  if (e.cage) {
+    cage_.emplace(*e.cage);
+    least_inductance_ = e.cage->stator_leakage_h;
+  }
   const auto samples = static_cast<double>(e.emf.table.values().size());
   if (samples > 0 && e.emf.table.interpolation() == Interpolation::kLinear &&
       2 * pi / samples > kCornersFromRad) {
     corner_distance_ = 2 * pi / samples;
   }
-  plain_ = sinusoidal_ && !shaft_effects_ && kind_ == Kind::kLinear && !e.commutator &&
+  plain_ = sinusoidal_ && !shaft_effects_ && kind_ == Kind::kLinear && !e.commutator && !e.cage &&
            e.iron_hysteresis_w == 0 && e.thermal.winding_housing_k_per_w == 0;
   set_temperatures(e.thermal.reference_degc, e.thermal.reference_degc);
 }
@@ -210,7 +226,14 @@ void Winding::set_temperatures(double winding_degc, double magnet_degc) {
   loop.resistance_ohm =
       motor.resistance_ohm * (1 + t.resistance_per_k * (winding_degc - t.reference_degc)) +
       series_ohm_;
+  if (cage_) cage_->set_temperature(magnet_degc, t.reference_degc);
   loop.flux_wb = motor.flux_wb * (1 + t.flux_per_k * (magnet_degc - t.reference_degc));
+  if (cage_) {
+    // What decays fastest is the leakage's flux, by both resistances.
+    step_limit_ =
+        cage_->transient_inductance_h() / (loop.resistance_ohm + cage_->rotor_resistance_ohm()) / 5;
+    return;
+  }
   step_limit_ = loop.resistance_ohm > 0 ? least_inductance_ / loop.resistance_ohm / 5
                                         : std::numeric_limits<double>::infinity();
 }

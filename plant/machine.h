@@ -8,16 +8,20 @@
 //   BLDC        h, the EMF's shape in dq, is no longer the unit vector q of a sine: a trapezoid
 //   brushed DC  the commutator holds the frame still; one current, from a to b
 //   voice coil  the same in a line: 1 rad stands for 1 m, 1 Nm for 1 N, 1 kg m2 for 1 kg
+//   induction   no magnets; a cage (squirrel_cage.h) adds the rotor's circuit, in the stator's
+//   frame
 //
 // The winding is a star without neutral, so only what lies in Clarke's plane can act: an EMF's
 // zero-sequence part (the third harmonic of a trapezoid) drives no current between two terminals.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "plant/periodic_table.h"
 #include "plant/pmsm.h"
+#include "plant/squirrel_cage.h"
 
 namespace virtdrive {
 
@@ -96,6 +100,7 @@ struct MachineEffects {
   double iron_eddy_w_per_v2 = 0;  // loss / (we |psi|)^2: the reciprocal of a resistance / 1.5
   double iron_hysteresis_w = 0;   // loss / (|we| |psi|^2), W s / Wb^2 rad: a drag like friction
   bool commutator = false;        // brushes: phase c does not exist
+  std::optional<CageParameters> cage;  // an induction machine's rotor
 };
 
 /// Parameters of a brushed DC motor: terminals a and b, torque constant = EMF constant.
@@ -106,6 +111,11 @@ PmsmParameters brushed_dc(double resistance_ohm, double inductance_h, double tor
 /// torque constant of two phases in series under the flat tops of EmfShape::trapezoid.
 PmsmParameters bldc_line_to_line(int pole_pairs, double resistance_ohm, double inductance_h,
                                  double torque_nm_per_a, double rated_current_a);
+
+/// The stator of an induction machine; its inductances are what a short circuit of the rotor leaves
+/// of them.
+PmsmParameters induction_stator(int pole_pairs, double resistance_ohm, const CageParameters& cage,
+                                double rated_current_a);
 
 /// Throws SetupError unless every value is in its range.
 void validate(const MachineEffects& effects);
@@ -153,6 +163,8 @@ class Winding {
   /// For the fast integrator: a fifth of the least electrical time constant.
   double step_limit_s() const { return step_limit_; }
   double resistance_ohm() const { return loop.resistance_ohm - series_ohm_; }
+  /// Of an induction machine, else null.
+  const SquirrelCage* cage() const { return cage_ ? &*cage_ : nullptr; }
 
   PmsmParameters motor;  // as given
   PmsmParameters loop;   // at the present temperatures, with what is in series
@@ -168,6 +180,7 @@ class Winding {
   double series_ohm_ = 0, step_limit_ = 0;
   double inverse_d_ = 0, inverse_q_ = 0, least_inductance_ = 0, corner_distance_ = 0;
   double magnet_current_a_ = 0;  // of AnalyticSaturation
+  std::optional<SquirrelCage> cage_;
 };
 
 }  // namespace virtdrive

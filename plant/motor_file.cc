@@ -144,7 +144,8 @@ MotorRating read_rating(const Sheet& sheet, MachineKind kind) {
       .torque_nm = kind == MachineKind::kVoiceCoil ? sheet.number_or("rated_force_n", 0)
                                                    : sheet.number_or("rated_torque_nm", 0),
       .power_w = sheet.number_or("rated_power_w", 0),
-      .maximum_speed_rpm = sheet.number_or("maximum_speed_rpm", 0)};
+      .maximum_speed_rpm = sheet.number_or("maximum_speed_rpm", 0),
+      .frequency_hz = kind == MachineKind::kInduction ? sheet.number("rated_frequency_hz") : 0};
   if (rating.peak_current_a > 0 && rating.peak_current_a < rating.current_a) {
     sheet["peak_current_a"].fail(fmt::format("peak_current_a is {}, below rated_current_a of {} A",
                                              rating.peak_current_a, rating.current_a));
@@ -291,6 +292,24 @@ EmfShape read_emf(const Sheet& sheet, MachineKind kind) {
   return EmfShape::trapezoid(sheet.number_or("emf_flat_deg", 120) * pi / 180);
 }
 
+CageParameters read_cage(const Sheet& sheet) {
+  CageParameters cage{.rotor_resistance_ohm = sheet.number("rotor_resistance_ohm"),
+                      .stator_leakage_h = sheet.number("stator_leakage_h"),
+                      .rotor_leakage_h = sheet.number("rotor_leakage_h"),
+                      .main_inductance_h = sheet.number("main_inductance_h"),
+                      .saturation_flux_wb = sheet.number_or("saturation_flux_wb", 0)};
+  cage.rotor_resistance_per_k =
+      sheet.number_or("rotor_resistance_per_k", cage.rotor_resistance_per_k);
+  if (sheet.has("saturation_exponent")) {
+    cage.saturation_exponent = sheet.integer("saturation_exponent");
+    if (cage.saturation_exponent % 2 != 0) {
+      sheet["saturation_exponent"].fail(fmt::format(
+          "saturation_exponent is {}; expected an even number", cage.saturation_exponent));
+    }
+  }
+  return cage;
+}
+
 void read_windings(const Sheet& sheet, Motor& motor) {
   const double rated_a = sheet.number("rated_current_a");
   if (motor.kind == MachineKind::kBrushedDc || motor.kind == MachineKind::kVoiceCoil) {
@@ -308,6 +327,11 @@ void read_windings(const Sheet& sheet, Motor& motor) {
   e.pole_pairs = sheet.integer("pole_pairs");
   e.resistance_ohm = sheet.has("line_resistance_ohm") ? sheet.number("line_resistance_ohm") / 2
                                                       : sheet.number("phase_resistance_ohm");
+  if (motor.kind == MachineKind::kInduction) {
+    motor.effects.cage = read_cage(sheet);
+    e = induction_stator(e.pole_pairs, e.resistance_ohm, *motor.effects.cage, rated_a);
+    return;
+  }
   e.flux_wb = phase_flux_wb(sheet, motor.kind, e.pole_pairs);
   e.rated_current_a = rated_a;
   read_inductances(sheet, e, motor.effects);

@@ -28,7 +28,8 @@ using MachineKinds = std::uint8_t;
 constexpr MachineKinds only(MachineKind kind) {
   return static_cast<MachineKinds>(1U << static_cast<unsigned>(kind));
 }
-inline constexpr MachineKinds kThreePhase = only(MachineKind::kPmsm) | only(MachineKind::kBldc);
+inline constexpr MachineKinds kWithMagnets = only(MachineKind::kPmsm) | only(MachineKind::kBldc);
+inline constexpr MachineKinds kThreePhase = kWithMagnets | only(MachineKind::kInduction);
 inline constexpr MachineKinds kRotating = kThreePhase | only(MachineKind::kBrushedDc);
 inline constexpr MachineKinds kAllKinds = kRotating | only(MachineKind::kVoiceCoil);
 

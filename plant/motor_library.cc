@@ -51,7 +51,7 @@ Motor find_motor(std::string_view name_or_path) {
 }
 
 std::string_view kind_name(MachineKind kind) {
-  constexpr std::string_view kNames[] = {"pmsm", "bldc", "brushed_dc", "voice_coil"};
+  constexpr std::string_view kNames[] = {"pmsm", "bldc", "brushed_dc", "voice_coil", "induction"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -22,8 +22,9 @@ enum class MachineKind {
   kBldc,       // three phases, the EMF a trapezoid unless told otherwise
   kBrushedDc,  // two terminals
   kVoiceCoil,  // two terminals, moves along a line: 1 rad stands for 1 m, 1 Nm for 1 N
+  kInduction,  // three phases, a cage
 };
-/// As files call it: "pmsm", "bldc", "brushed_dc", "voice_coil".
+/// As files call it: "pmsm", "bldc", "brushed_dc", "voice_coil", "induction".
 std::string_view kind_name(MachineKind kind);
 
 /// How a data sheet counts a current.
@@ -43,6 +44,7 @@ struct MotorRating {
   double torque_nm = 0;          // of a voice coil: its force in N
   double power_w = 0;            // at the shaft
   double maximum_speed_rpm = 0;  // what the rotor bears
+  double frequency_hz = 0;       // of an induction machine's supply
 };
 
 struct Motor {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "plant/induction_curves.h"
 #include "plant/motor_curves.h"
 #include "plant/motor_file.h"
 
@@ -17,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kRpmPerRadps = 30 / std::numbers::pi;
 constexpr MachineKind kKinds[] = {MachineKind::kPmsm, MachineKind::kBldc, MachineKind::kBrushedDc,
-                                  MachineKind::kVoiceCoil};
+                                  MachineKind::kVoiceCoil, MachineKind::kInduction};
 
 struct Quantity {
   std::string_view key;  // of the JSON object; SI, as its suffix says
@@ -52,6 +53,7 @@ std::vector<Quantity> rating_of(const Motor& motor) {
     add_if_known({"rated_torque_nm", "torque", r.torque_nm, "Nm"});
     add_if_known({"rated_power_w", "power", rated_power_w(r), "W"});
   }
+  add_if_known({"rated_frequency_hz", "frequency", r.frequency_hz, "Hz"});
   add_if_known({"maximum_speed_rpm", "maximum speed", r.maximum_speed_rpm, "rpm"});
   return rating;
 }
@@ -140,7 +142,48 @@ std::vector<Section> sections_by_terminals(const Motor& motor, const SteadyMotor
   return {{"parameters", parameters}, {"derived", derived}};
 }
 
+// On the rated supply.
+std::vector<Section> sections_of_induction(const Motor& motor) {
+  const CageParameters& c = *motor.effects.cage;
+  const InductionSupply supply = rated_supply(motor);
+  const InductionPoint rated = induction_at_power(motor, supply, rated_power_w(motor.rating));
+  const InductionPoint idle = induction_no_load(motor, supply);
+  const InductionPoint most = induction_breakdown(motor, supply);
+  const InductionPoint locked = induction_point(motor, supply, 1);
+  return {
+      {"rating", rating_of(motor)},
+      {"parameters",
+       {{"pole_pairs", "pole pairs", static_cast<double>(motor.electrical.pole_pairs), ""},
+        {"phase_resistance_ohm", "stator resistance", motor.electrical.resistance_ohm, "Ohm",
+         "per phase"},
+        {"rotor_resistance_ohm", "rotor resistance", c.rotor_resistance_ohm, "Ohm",
+         "referred to the stator"},
+        {"stator_leakage_h", "stator leakage", c.stator_leakage_h, "H"},
+        {"rotor_leakage_h", "rotor leakage", c.rotor_leakage_h, "H", "referred to the stator"},
+        {"main_inductance_h", "main inductance", c.main_inductance_h, "H", "unsaturated"},
+        {"saturation_flux_wb", "saturation flux", c.saturation_flux_wb, "Wb", "halves it"},
+        {"rotor_inertia_kgm2", "rotor inertia", motor.mechanics.inertia_kgm2, "kg m2"},
+        {"viscous_friction_nm_per_radps", "viscous friction", motor.mechanics.viscous_nm_per_radps,
+         "Nm s"},
+        {"coulomb_friction_nm", "Coulomb friction", motor.mechanics.coulomb_nm, "Nm"}}},
+      {"derived",
+       {{"supply_v", "supply", supply.line_v, "V", "rms, between two lines"},
+        {"rated_power_speed_rpm", "speed at rated power", rated.speed_radps * kRpmPerRadps, "rpm"},
+        {"rated_power_torque_nm", "torque at rated power", rated.torque_nm, "Nm"},
+        {"rated_power_current_a", "current at rated power", rated.current_a, "A", "rms"},
+        {"power_factor", "power factor", rated.power_factor, ""},
+        {"efficiency", "efficiency", rated.efficiency(), ""},
+        {"no_load_current_a", "no-load current", idle.current_a, "A", "rms"},
+        {"locked_rotor_current_a", "locked-rotor current", locked.current_a, "A", "rms"},
+        {"locked_rotor_torque_nm", "locked-rotor torque", locked.air_gap_nm, "Nm"},
+        {"breakdown_torque_nm", "breakdown torque", most.torque_nm, "Nm"},
+        {"breakdown_slip", "breakdown slip", most.slip, ""},
+        {"rotor_time_constant_s", "rotor time constant",
+         (c.rotor_leakage_h + c.main_inductance_h) / c.rotor_resistance_ohm, "s"}}}};
+}
+
 std::vector<Section> sections(const Motor& motor) {
+  if (motor.kind == MachineKind::kInduction) return sections_of_induction(motor);
   const SteadyMotor steady(motor);
   const MotorConstants k = motor_constants(steady);
   std::vector<Section> all = steady.two_terminals() ? sections_by_terminals(motor, steady, k)
@@ -157,6 +200,7 @@ std::string effects_text(const Motor& motor) {
   if (motor.kind == MachineKind::kPmsm && !e.emf.table.empty()) words.push_back("shaped EMF");
   if (e.saturation) words.push_back("saturation in closed form");
   if (e.flux_map) words.push_back("flux map");
+  if (e.cage && e.cage->saturation_flux_wb > 0) words.push_back("saturation of the main flux");
   if (!e.cogging_nm.empty()) words.push_back("cogging");
   if (e.iron_eddy_w_per_v2 > 0 || e.iron_hysteresis_w > 0) words.push_back("iron loss");
   if (e.thermal.winding_housing_k_per_w > 0) words.push_back("temperatures");

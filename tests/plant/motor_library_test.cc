@@ -16,7 +16,7 @@ TEST(MotorLibrary, EveryMotorIsCompleteAndNamesItsSource) {
     EXPECT_NO_THROW(validate(motor.electrical));
     EXPECT_NO_THROW(validate(motor.mechanics));
     EXPECT_NO_THROW(validate(motor.effects));
-    EXPECT_TRUE(motor.electrical.flux_wb > 0 || motor.effects.saturation);
+    EXPECT_TRUE(motor.electrical.flux_wb > 0 || motor.effects.saturation || motor.effects.cage);
     EXPECT_GT(motor.rating.voltage_v, 0);
     EXPECT_FALSE(motor.description.empty());
     EXPECT_FALSE(motor.source.empty());

@@ -60,7 +60,7 @@ TEST(MotorSheet, TheSchemaSaysWhatTheReaderAsksFor) {
   EXPECT_EQ(schema["additionalProperties"], false);
   EXPECT_EQ(schema["properties"].size(), motor_keys().size());
   EXPECT_EQ(schema["properties"]["rotor_inertia_kgm2"]["exclusiveMinimum"], 0);
-  EXPECT_EQ(schema["allOf"].size(), 4U) << "a set of rules for each kind";
+  EXPECT_EQ(schema["allOf"].size(), 5U) << "a set of rules for each kind";
   EXPECT_EQ(schema["allOf"][0]["then"]["allOf"].size(), 3U) << "resistance, inductance, magnets";
   EXPECT_EQ(schema["allOf"][3]["then"]["properties"]["pole_pairs"], false);
   EXPECT_EQ(schema["dependentRequired"]["d_axis_inductance_h"][0], "q_axis_inductance_h");
