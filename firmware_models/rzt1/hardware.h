@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 
 #include "plant/sensors.h"
 
@@ -20,9 +21,11 @@ enum class EncoderType : std::uint8_t {
   kHiperfaceDsl = 5,
 };
 
-/// An absolute encoder on the shaft. Assumed: it speaks whichever protocol ETYPE selects.
+/// An absolute encoder on the shaft. Assumed: it speaks whichever protocol ETYPE selects, and the
+/// motor's maker has aligned it: PORIGIN 0 is right for 5 pole pairs.
 struct FittedAbsoluteEncoder {
-  AbsoluteEncoder sensor{.single_turn_bits = 16, .multi_turn_bits = 16};
+  AbsoluteEncoder sensor{
+      .single_turn_bits = 16, .multi_turn_bits = 16, .zero_rad = -std::numbers::pi / 10};
   bool silent = false;            // it answers no more
   std::uint32_t id = 0x17160001;  // EID
   std::array<std::uint16_t, 256> eeprom{};
@@ -39,7 +42,7 @@ struct AxisHardware {
   bool incremental_cut = false;         // the counter gets no edges
   FittedAbsoluteEncoder absolute;
   /// Offset as the drive's table wants it: code 2 while the d axis is within -30..30 degrees.
-  HallSensors halls{.offset_rad = 2.617993877991494};
+  HallSensors halls{.offset_rad = std::numbers::pi * 5 / 6};
   enum class HallPlug : std::uint8_t { kNone, kEncoder, kP5 };
   HallPlug hall_plug = HallPlug::kEncoder;  // P1 or P2, or P5
   /// Which channel (0 U, 1 V, 2 W) each of the motor's phases is wired to.

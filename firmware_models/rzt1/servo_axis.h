@@ -27,28 +27,9 @@
 #include "firmware_models/rzt1/regulators.h"
 #include "firmware_models/rzt1/result.h"
 #include "firmware_models/rzt1/settings.h"
+#include "firmware_models/rzt1/status.h"
 
 namespace virtdrive::rzt1 {
-
-/// Bits of STA (B.2).
-enum StatusBit : std::uint16_t {
-  kMotionComplete = 1 << 0,
-  kServoOn = 1 << 1,
-  kAmplifierOn = 1 << 2,
-  kIndexCaptured = 1 << 3,
-  kEncoderFault = 1 << 4,
-  kEncoderWarning = 1 << 5,
-  kPvtLow = 1 << 6,
-  kPhased = 1 << 7,
-  kBusy = 1 << 8,  // homing, phasing or the search of SETUP; the document reserves it
-  kOverCurrent = 1 << 9,
-  kInputInhibit = 1 << 10,
-  kPvtStarved = 1 << 11,
-  kMotorOverheat = 1 << 12,
-  kAmplifierFault = 1 << 13,
-  kPositionErrorBit = 1 << 14,
-  kPositionWrapped = 1 << 15,
-};
 
 /// What the drive samples for an axis in one PWM slot.
 struct SlotReading {
@@ -75,6 +56,8 @@ struct FirmwareOptions {
   bool absolute_on_both = false;
   /// ETIME and CTIME in ms instead of loop cycles.
   bool error_time_ms = false;
+  /// GEAROUT / GEARIN, as the successor's published example computes.
+  bool gear_inverted = false;
 };
 
 class ServoAxis {
@@ -155,7 +138,8 @@ class ServoAxis {
   // --- Encoder ---
   std::int32_t position() const { return position_.position(); }  // POS
   /// Shifts actual, command, target, the PVT queue and PORIGIN alike.
-  void set_position(std::int32_t position);
+  /// kInvalidState for the gear's slave while its servo is on.
+  Result set_position(std::int32_t position);
   std::int32_t index() const { return position_.index(); }  // IND
   /// IND as read by a host: clears STA bit 3.
   std::int32_t take_index();
@@ -167,7 +151,7 @@ class ServoAxis {
   Result write_encoder_word(std::uint16_t word);
 
   // --- What is reported ---
-  std::uint16_t status() const;                               // STA
+  std::uint16_t status() const;  // STA
   bool servo_on() const { return servo_on_; }
   bool amplifier_on() const { return amplifier_on_; }
   bool phased() const { return phasing_.phased(); }
@@ -184,8 +168,8 @@ class ServoAxis {
   std::int32_t velocity() const { return regulators_.velocity(); }               // 16.16, measured
   std::int32_t velocity_counts() const;                                          // CV
   std::int32_t regulator_output() const { return regulators_.output(); }
-  std::int32_t raw_current(std::size_t channel) const;  // ADC1, ADC2
-  std::int32_t total_current() const;                   // TC
+  std::int32_t raw_current(std::size_t channel) const;               // ADC1, ADC2
+  std::int32_t total_current() const;                                // TC
   std::int32_t direct_current() const { return current_.id(); }      // IDM
   std::int32_t quadrature_current() const { return current_.iq(); }  // IQM
   std::int32_t direct_error() const { return current_.id_error(); }
@@ -202,7 +186,7 @@ class ServoAxis {
   std::uint8_t digital_inputs() const { return inputs_.word(); }
   std::int32_t hall_position() const { return hall_position_; }  // HPOS
   void set_hall_position(std::int32_t position) { hall_position_ = position; }
-  std::uint32_t errors() const { return interlocks_.errors(); }  // EQUERY
+  std::uint32_t errors() const { return interlocks_.errors(); }        // EQUERY
   const ErrorLatch& latched() const { return interlocks_.latched(); }  // ECP, ECV, EPO
   void set_latched(const ErrorLatch& latch) { interlocks_.set_latched(latch); }
   std::int32_t i2t() const { return interlocks_.i2t(); }
@@ -214,6 +198,86 @@ class ServoAxis {
  private:
   friend class ServoDrive;
   static constexpr std::int32_t kScanDepth = 40;
+
+  // What the drive calls.
+  void join(ServoAxis& partner) { partner_ = &partner; }
+  void slot(const SlotReading& reading);
+  void millisecond(std::int32_t bus_counts, std::int32_t temperature_counts);
+  const SlotOutput& slot_output() const { return slot_output_; }
+  /// Nothing to do until somebody calls `wake` or the shaft turns.
+  bool idle() const;
+  void hardware_changed() { wake_(); }
+
+  void start_encoder();
+  Result ready() const;
+  bool leads() const;
+  bool follows() const { return partner_ != nullptr && partner_->leads(); }
+  bool geared() const { return leads() || follows(); }
+  std::int32_t geared_down(std::int64_t value) const;
+  void preset_slave();
+  template <class Order>
+  Result both(Order order);
+
+  Result switch_on();
+  void switch_off();
+  Result switch_power(bool on);
+  void halt(std::int64_t deceleration);
+  void latch();
+  MotionLimits limits() const;
+  std::int64_t deceleration() const;
+  void begin_motion();
+  Result start_jog(int direction);
+  Result may_move() const;
+
+  void loop_cycle(const SlotReading& reading);
+  void end_search();
+  void home_on();
+  void carry_out(const HomingOrder& order);
+  void carry_out(const InterlockOrder& order);
+  void regulate();
+  void commutate();
+  void commutate_three();
+  void shift(std::int32_t counts);
+  Result set_encoder_type(std::int32_t type);
+  bool over_range() const;
+
+  std::size_t number_;
+  Settings settings_;
+  AxisHardware& hardware_;
+  FirmwareOptions options_;
+  std::function<void()> wake_;
+  ServoAxis* partner_ = nullptr;
+
+  PositionInput position_;
+  Inputs inputs_;
+  Profile profile_;
+  Regulators regulators_;
+  CurrentLoop current_;
+  Phasing phasing_;
+  Homing homing_;
+  Interlocks interlocks_;
+
+  bool servo_on_ = false, amplifier_on_ = false;
+  bool off_after_stop_ = false;               // ASTOP 1
+  bool pvt_announced_ = false;                // packet 3 came: STA bit 6 tells
+  bool polled_last_ = false;                  // homing, with a loop cycle of 50 us
+  std::optional<EncoderType> absolute_type_;  // of the interface, since the reset
+  MotionLimits latched_limits_;
+  std::int32_t target_ = 0, distance_ = 0;
+  int jog_direction_ = 0;
+  PvtPoint pending_;
+  std::int32_t output_q_ = 0, output_d_ = 0;
+  bool host_phases_ = false;
+  std::array<std::int32_t, 3> host_counts_{};
+
+  std::int32_t slots_ = 0;  // since the last loop cycle
+  std::optional<VectorDemand> vector_;
+  std::int32_t phase_angle_ = -1;
+  std::array<std::int32_t, 2> current_counts_{};
+  bool amplifier_fault_ = false;
+  std::int32_t bus_counts_ = 0, temperature_counts_ = 0;
+  std::int32_t hall_position_ = 0;
+  SlotOutput slot_output_;
 };
 
 }  // namespace virtdrive::rzt1

@@ -11,7 +11,7 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 
 #include "core/event_loop.h"
@@ -40,8 +40,8 @@ class ServoDrive {
   /// 150 ms later. References to the axes stay good.
   void restart(const std::array<Settings, kAxes>& settings);
 
-  ServoAxis& axis(std::size_t number) { return *units_[number]->servo; }
-  const ServoAxis& axis(std::size_t number) const { return *units_[number]->servo; }
+  ServoAxis& axis(std::size_t number) { return *units_[number].servo; }
+  const ServoAxis& axis(std::size_t number) const { return *units_[number].servo; }
   Recorder& recorder() { return recorder_; }
   const Recorder& recorder() const { return recorder_; }
   /// TRACE, with the task kept awake for it.
@@ -62,15 +62,44 @@ class ServoDrive {
   std::uint64_t slots() const { return slots_; }
 
  private:
-  struct Unit;
+  // An axis with its inverter and sensors.
+  struct Unit {
+    Axis* plant = nullptr;
+    std::optional<ServoAxis> servo;
+    bool awake = true;
+    SlotOutput::Mode loaded = SlotOutput::Mode::kOff;
+    double seen_rad = 0;  // the shaft's angle at the last slot
+    double pole_pairs = 1;
+  };
+
+  void start(const std::array<Settings, kAxes>& settings);
+  void task();
+  void slot(std::size_t number);
+  void millisecond(Unit& unit);
+  void wake(std::size_t number);
+  void schedule();
+  bool at_rest(const Unit& unit) const;
+  SlotReading sample(std::size_t number);
+  ShaftReading read_shaft(Unit& unit, const AxisHardware& hardware) const;
+  std::uint8_t input_pins(const Unit& unit, const AxisHardware& hardware) const;
+  std::uint8_t hall_pins(std::size_t number) const;
+  void load(Unit& unit, const AxisHardware& hardware);
+  void switch_off(Unit& unit);
+  std::int32_t measure_timing() const;
+
   EventLoop& loop_;
   Hardware& hardware_;
   FirmwareOptions options_;
-  std::array<std::unique_ptr<Unit>, kAxes> units_;
+  std::array<Unit, kAxes> units_;
+  CurrentSensor current_sensor_;
+  VoltageSensor bus_sensor_;
+  RandomStream noise_;
   Recorder recorder_;
   std::array<bool, 2> outputs_{};
   std::int32_t timer_ = 0;
   std::uint64_t slots_ = 0;
+  SimTime encoders_answer_at_;
+  Wakeup task_;
 };
 
 }  // namespace virtdrive::rzt1

@@ -29,30 +29,30 @@ struct Settings {
   std::int32_t data4 = 0, data5 = 0, data6 = 0, data7 = 0;
 
   // Motor and commutation.
-  std::int32_t phases = 3;         // 71: 2 brushed or voice coil, 3 three phases
-  std::int32_t brake = 0;          // 72, unused
-  std::int32_t pole_pairs = 5;     // 33
-  std::int32_t pmap = 0;           // 29: output channels U, V, W get phases UVW UWV VWU VUW WUV WVU
-  std::int32_t pcmode = 1;         // 31: 0 voltage, 1 FOC, 2 Hall, 3 host
-  std::int32_t pvector = 0;        // 32, times 60 degrees
-  std::int32_t pimode = 0;         // 26: phasing 0 forced, 1 Hall, 2 dither
-  std::int32_t pitime = 5000;      // 27, loop cycles
-  std::int32_t piout = 1966;       // 28, 32767 = Vdc/3
-  std::int32_t pioffs = 0;         // 36, counts
-  std::int32_t porigin = 0;        // 30, counts; with an absolute encoder as the encoder counts
-  std::int32_t padv = 0;           // 38, unused
-  std::int32_t vcomp = 10;         // 39, unused
-  std::int32_t hinvert = 0;        // 50
-  std::int32_t hshift = -1;        // 51, unused
-  std::int32_t htype = 0;          // 61, parallel
-  std::int32_t pcounts = 26214;    // 34, counts per electrical turn
-  std::int32_t ecpr = 131072;      // 35, counts per turn
-  std::int32_t pinvert = 0;        // 114
-  std::int32_t etype = 0;          // 117, EncoderType
-  std::int32_t ebaudrate = 2500;   // 121, kbit/s
-  std::int32_t eaddr = 0;          // 119
-  std::int32_t pct = 0;            // 47
-  std::int32_t sim = 0;            // 76: actual position = command, no PWM
+  std::int32_t phases = 3;        // 71: 2 brushed or voice coil, 3 three phases
+  std::int32_t brake = 0;         // 72, unused
+  std::int32_t pole_pairs = 5;    // 33
+  std::int32_t pmap = 0;          // 29: output channels U, V, W get phases UVW UWV VWU VUW WUV WVU
+  std::int32_t pcmode = 1;        // 31: 0 voltage, 1 FOC, 2 Hall, 3 host
+  std::int32_t pvector = 0;       // 32, times 60 degrees
+  std::int32_t pimode = 0;        // 26: phasing 0 forced, 1 Hall, 2 dither
+  std::int32_t pitime = 5000;     // 27, loop cycles
+  std::int32_t piout = 1966;      // 28, 32767 = Vdc/3
+  std::int32_t pioffs = 0;        // 36, counts
+  std::int32_t porigin = 0;       // 30, counts; with an absolute encoder as the encoder counts
+  std::int32_t padv = 0;          // 38, unused
+  std::int32_t vcomp = 10;        // 39, unused
+  std::int32_t hinvert = 0;       // 50
+  std::int32_t hshift = -1;       // 51, unused
+  std::int32_t htype = 0;         // 61, parallel
+  std::int32_t pcounts = 26214;   // 34, counts per electrical turn
+  std::int32_t ecpr = 131072;     // 35, counts per turn
+  std::int32_t pinvert = 0;       // 114
+  std::int32_t etype = 0;         // 117, EncoderType
+  std::int32_t ebaudrate = 2500;  // 121, kbit/s
+  std::int32_t eaddr = 0;         // 119
+  std::int32_t pct = 0;           // 47
+  std::int32_t sim = 0;           // 76: actual position = command, no PWM
 
   // Position loop, latched at ON, GO, STOP and ABORT but for MLIMIT and BIAS.
   std::int32_t kp = 2000, ki = 0, kd = 0;  // 14, 15, 16
@@ -70,30 +70,30 @@ struct Settings {
   std::int32_t qkp = 60, qki = 4, qkd = 0;  // 45, 46, 127
 
   // Motion, latched at GO. 16.16 counts per loop cycle (squared).
-  std::int32_t vel = 7158282;           // 8
-  std::int32_t acc = 14317;             // 9
-  std::int32_t dec = 14317;             // 10; 0: as ACC
-  std::int32_t ajerk = 0, djerk = 0;    // 11, 12: 0..1000, Bezier
-  std::int32_t pro = 0;                 // 13: 0 trapezoid, 1 spline, 2 Bezier, 3 PVT
-  std::int32_t itime = 200;             // 7, loop cycles between two PVT points
-  std::int32_t wmark = 10;              // 126
-  std::int32_t hmask = 0, invert = 0;   // 48, 49
-  std::int32_t hoffs = 0;               // 62
+  std::int32_t vel = 7158282;          // 8
+  std::int32_t acc = 14317;            // 9
+  std::int32_t dec = 14317;            // 10; 0: as ACC
+  std::int32_t ajerk = 0, djerk = 0;   // 11, 12: 0..1000, Bezier
+  std::int32_t pro = 0;                // 13: 0 trapezoid, 1 spline, 2 Bezier, 3 PVT
+  std::int32_t itime = 200;            // 7, loop cycles between two PVT points
+  std::int32_t wmark = 10;             // 126
+  std::int32_t hmask = 0, invert = 0;  // 48, 49
+  std::int32_t hoffs = 0;              // 62
 
   // Interlocks.
-  std::int32_t climit = 1500;                  // 40, AD counts of TC
-  std::int32_t ctime = 5000;                   // 41, loop cycles; 0: off
-  std::int32_t emask = 0;                      // 53, of digital_inputs()
-  std::int32_t plimit = 0, ptime = 0;          // 109 AD counts, 110 ms; either 0: off
-  std::int32_t elvolt = 0, ehvolt = 4095;      // 131, 132, AD counts
-  std::int32_t ewposmin = INT32_MIN;           // 133
-  std::int32_t ewposmax = INT32_MAX;           // 134
-  std::int32_t eovs = INT32_MAX;               // 135, 16.16 counts per 100 us
-  std::int32_t ewovs = INT32_MAX;              // 136, likewise
-  std::int32_t eemp = 30;                      // 137
-  std::int32_t eovtemp = 2000;                 // 138, AD counts
-  std::int32_t errmask = 0x1E380000;           // 139
-  std::int32_t eovc = 4095;                    // 143, AD counts of TC
+  std::int32_t climit = 1500;              // 40, AD counts of TC
+  std::int32_t ctime = 5000;               // 41, loop cycles; 0: off
+  std::int32_t emask = 0;                  // 53, of digital_inputs()
+  std::int32_t plimit = 0, ptime = 0;      // 109 AD counts, 110 ms; either 0: off
+  std::int32_t elvolt = 0, ehvolt = 4095;  // 131, 132, AD counts
+  std::int32_t ewposmin = INT32_MIN;       // 133
+  std::int32_t ewposmax = INT32_MAX;       // 134
+  std::int32_t eovs = INT32_MAX;           // 135, 16.16 counts per 100 us
+  std::int32_t ewovs = INT32_MAX;          // 136, likewise
+  std::int32_t eemp = 30;                  // 137
+  std::int32_t eovtemp = 2000;             // 138, AD counts
+  std::int32_t errmask = 0x1E380000;       // 139
+  std::int32_t eovc = 4095;                // 143, AD counts of TC
 
   bool operator==(const Settings&) const = default;
 };
