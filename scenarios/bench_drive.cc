@@ -40,7 +40,7 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
       lines_(bench.lines),
       seed_(bench.seed.scope(spec.name)),
       motors_(motors_of(spec, kind_)),
-      memory_(open_memory(spec.nvm, kind_.name, bench.notes)),
+      memory_(open_memory(spec.nvm, kind_.name, bench.notes), loop_, seed_),
       load_steps_(parse_load(spec.load, kind_.channels)),
       load_step_(loop_.add(Phase::kScenario, [this] { apply_due_load_steps(); })) {
   for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -56,7 +56,7 @@ std::unique_ptr<Drive> BenchDrive::make_drive(const DriveSpec& spec, const Surro
   return kind_.make({.loop = loop_,
                      .ports = line_ends_,
                      .seed = seed_,
-                     .memory = *memory_,
+                     .memory = memory_,
                      .motors = motors_,
                      .supply = bench.supply,
                      .integrator = bench.integrator,
@@ -83,6 +83,7 @@ void BenchDrive::write(const std::string& assignment) {
 void BenchDrive::power_off() {
   if (!std::exchange(powered_, false)) return;
   drive_->power_off();
+  memory_.power_lost();
   for (LineEnd* const end : line_ends_) {
     if (end != nullptr) end->detach();
   }
@@ -124,6 +125,7 @@ void BenchDrive::register_signals(Registry& registry) {
     register_supply(registry, loop_, fmt::format("supply{}", i), drive_->axis(i).bus());
   }
   drive_->register_signals(registry);
+  memory_.register_signals(registry);
   const auto count = [&](std::string_view name, std::string doc, std::uint64_t WireCounters::* of) {
     registry.add(Signal{fmt::format("wire.{}", name), "", std::move(doc),
                         [this, of] { return static_cast<double>(drive_->wire_counters().*of); }});

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "core/event_loop.h"
-#include "core/nvm.h"
 #include "core/signals.h"
 #include "pty/serial_line.h"
 #include "scenarios/drive.h"
 #include "scenarios/load_spec.h"
+#include "scenarios/memory_faults.h"
 
 namespace virtdrive {
 
@@ -82,7 +82,7 @@ class BenchDrive {
   std::vector<LineEnd*> line_ends_;
   Seed seed_;
   std::vector<Motor> motors_;  // one a channel
-  std::unique_ptr<NonVolatileMemory> memory_;
+  FaultyMemory memory_;
   std::unique_ptr<Drive> drive_;
   bool powered_ = true;
   std::vector<LoadStep> load_steps_;

@@ -222,12 +222,25 @@ ReplayResult replay(const WireRecording& recording, const std::string& name,
     }
     throw SetupError(fmt::format("{}: its lines are not those of the bench it describes", name));
   }
+  std::optional<SignalComparison> signals;
+  if (!options.signals.empty()) {
+    if (recorded.signals.empty()) {
+      throw SetupError(fmt::format("{}: no signals were recorded beside (run --record)", name));
+    }
+    signals.emplace(options.signals, recorded.signals.size(), options.signal_tolerance);
+  }
+  bool over = false;
   std::optional<Sampler> sampler;
   if (!recorded.signals.empty()) {
     sampler.emplace(bench.loop(), bench.registry(), recorded.signals, recorded.interval,
-                    [](SimTime, auto) {});
+                    [&](SimTime time, auto values) {
+                      if (!signals) return;
+                      signals->see(time, values);
+                      if (!signals->divergence() || !options.wire.empty()) return;
+                      over = true;
+                      bench.loop().stop();
+                    });
   }
-  bool over = false;
   Comparisons comparisons(recording, options.tolerance, [&] {
     if (!options.wire.empty()) return;
     over = true;
@@ -247,6 +260,10 @@ ReplayResult replay(const WireRecording& recording, const std::string& name,
   result.drive_bytes = comparisons.same();
   result.end = bench.loop().now();
   result.divergence = comparisons.divergence();
+  if (signals) {
+    result.rows = signals->rows_compared();
+    result.signal_divergence = signals->divergence();
+  }
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "core/sim_time.h"
 #include "devices/wire_log.h"
 #include "scenarios/recording/wire_recording.h"
+#include "scenarios/signal_comparison.h"
 
 namespace virtdrive {
 
@@ -22,6 +23,8 @@ struct ReplayOptions {
   /// By how much a byte may come earlier or later than recorded; a recording of real hardware has
   /// its adapter's delays in it.
   SimDuration tolerance{};
+  std::string signals = {};     // CSV file that was recorded beside; empty: bytes only
+  double signal_tolerance = 0;  // of a signal's largest size
   std::string wire = {};  // file of a new recording; empty: none
   NoteListener notes = {};
 };
@@ -47,6 +50,8 @@ struct ReplayResult {
   std::uint64_t drive_bytes = 0;  // that were as recorded
   SimTime end = kSimStart;
   std::optional<Divergence> divergence = {};  // none: identical
+  std::uint64_t rows = 0;                     // of signals that were compared
+  std::optional<SignalDivergence> signal_divergence = {};
 };
 
 /// `name` is the recording's, for messages. SetupError if its bench cannot be built. Ends soon

@@ -176,6 +176,17 @@ void add_replay(CLI::App& app, std::function<int()>& action) {
                    "Milliseconds by which a byte may come earlier or later than recorded")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  CLI::Option* const signals =
+      command
+          ->add_option("--signals", options.signals,
+                       "Compare the signals too: the CSV file that 'run --record' wrote beside")
+          ->check(not_empty());
+  command
+      ->add_option("--signal-tolerance", options.signal_tolerance,
+                   "By how much a signal may be off, as a share of its largest recorded size")
+      ->check(CLI::Range(0.0, 1.0))
+      ->needs(signals)
+      ->capture_default_str();
   command->add_flag("--json", replayed->json, "The result as a line of JSON");
   command->callback([replayed, tolerance_ms, &action] {
     replayed->options.tolerance = from_seconds(*tolerance_ms / 1e3);

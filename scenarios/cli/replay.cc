@@ -29,9 +29,13 @@ Json as_json(const std::optional<DriveByte>& byte) {
           {"text", byte->text}};
 }
 
+bool identical(const ReplayResult& result) {
+  return !result.divergence && !result.signal_divergence;
+}
+
 void print_json(const ReplayResult& result, const WireRecording& recording) {
   Json json = {{"event", "replayed"},
-               {"identical", !result.divergence},
+               {"identical", identical(result)},
                {"host_bytes", result.host_bytes},
                {"drive_bytes", result.drive_bytes},
                {"simulated_s", seconds(result.end)},
@@ -42,16 +46,30 @@ void print_json(const ReplayResult& result, const WireRecording& recording) {
                           {"recorded", as_json(result.divergence->recorded)},
                           {"replayed", as_json(result.divergence->replayed)}};
   }
+  if (result.rows > 0) json["rows"] = result.rows;
+  if (const auto& signal = result.signal_divergence) {
+    json["signal_divergence"] = {{"signal", signal->signal},
+                                 {"time_ns", signal->time.time_since_epoch().count()},
+                                 {"recorded", signal->recorded},
+                                 {"replayed", signal->replayed}};
+  }
   fmt::print("{}\n", json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void print_text(const ReplayResult& result) {
   const double time_s = seconds(result.end);
-  if (!result.divergence) {
-    fmt::print("identical: {} host bytes, {} drive bytes, {:.3f} s\n", result.host_bytes,
-               result.drive_bytes, time_s);
-    return;
+  if (const auto& signal = result.signal_divergence) {
+    fmt::print("diverged: {} at {:.9f} s, after {} rows that are the same\n  recorded  {}\n"
+               "  replayed  {}\n",
+               signal->signal, seconds(signal->time), result.rows - 1, signal->recorded,
+               signal->replayed);
   }
+  if (identical(result)) {
+    fmt::print("identical: {} host bytes, {} drive bytes, {}{:.3f} s\n", result.host_bytes,
+               result.drive_bytes,
+               result.rows > 0 ? fmt::format("{} rows of signals, ", result.rows) : "", time_s);
+  }
+  if (!result.divergence) return;
   const Divergence& divergence = *result.divergence;
   fmt::print(
       "diverged: drive byte {} on {}, after {} that are the same\n  recorded  {}\n"
@@ -75,7 +93,7 @@ int replay(const ReplayCommand& command) {
     print_json(result, recording);
   else
     print_text(result);
-  return result.divergence ? kExitFailed : kExitOk;
+  return identical(result) ? kExitOk : kExitFailed;
 }
 
 }  // namespace virtdrive

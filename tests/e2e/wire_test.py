@@ -211,6 +211,10 @@ class Replay(WireTest):
             "--signals", "motor1.speed,motor1.current_a",
         )
         self.assert_replays("a.pcapng")
+        signals = ["--signals", self.path("a.csv")]
+        self.assertGreater(self.replay("a.pcapng", *signals)["rows"], 100)
+        other = self.replay("a.pcapng", *signals, "--load", "brake:1mNm", code=FAILED)
+        self.assertTrue(other["signal_divergence"]["signal"].startswith("motor1."))
 
     def test_an_ideal_line_a_load_settings_and_the_fast_integrator(self):
         self.record(
