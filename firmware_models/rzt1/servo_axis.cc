@@ -276,7 +276,7 @@ void ServoAxis::halt(std::int64_t deceleration) {
   profile_.stop(deceleration);
 }
 
-Result ServoAxis::stop(std::int64_t deceleration) {
+Result ServoAxis::quick_stop(std::int64_t deceleration) {
   return both([deceleration](ServoAxis& axis) {
     axis.halt(deceleration);
     return Result::kOk;
@@ -284,11 +284,11 @@ Result ServoAxis::stop(std::int64_t deceleration) {
 }
 
 Result ServoAxis::stop() {
-  return stop(deceleration());
+  return quick_stop(deceleration());
 }
 
 Result ServoAxis::abort() {
-  return stop(kAbruptly * deceleration());
+  return quick_stop(kAbruptly * deceleration());
 }
 
 Result ServoAxis::home() {

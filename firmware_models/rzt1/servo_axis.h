@@ -84,8 +84,8 @@ class ServoAxis {
   Result enable();
   Result disable();
   Result stop();
-  /// The same with a deceleration of its own (16.16, > 0), such as a fieldbus' quick stop.
-  Result stop(std::int64_t deceleration);
+  /// STOP with a deceleration of its own (16.16, > 0), as a fieldbus' quick stop has.
+  Result quick_stop(std::int64_t deceleration);
   Result abort();
   Result home();
   Result align();
