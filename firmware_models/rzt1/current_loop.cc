@@ -14,6 +14,10 @@ std::int32_t clipped(std::int64_t v, std::int32_t limit) {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -limit, limit));
 }
 
+std::int32_t rounded(double x) {
+  return static_cast<std::int32_t>(x < 0 ? x - 0.5 : x + 0.5);
+}
+
 // One PI with a damping term; its integral is held within the voltage there is.
 std::int64_t regulate(std::int32_t error, std::int32_t last_error, std::int64_t& sum,
                       const Settings& gains) {
@@ -38,8 +42,8 @@ void CurrentLoop::reset() {
 void CurrentLoop::measure(const std::array<std::int32_t, 2>& counts, const Rotation& rotor) {
   const double u = counts[0], v = counts[1];
   const Dq current = park({u, (u + 2 * v) / std::numbers::sqrt3}, rotor);
-  id_ = static_cast<std::int32_t>(std::lround(current.d));
-  iq_ = static_cast<std::int32_t>(std::lround(current.q));
+  id_ = rounded(current.d);
+  iq_ = rounded(current.q);
 }
 
 void CurrentLoop::measure(std::int32_t counts) {
@@ -98,7 +102,7 @@ void CurrentLoop::brake() {
 }
 
 std::int32_t CurrentLoop::duty_counts(std::size_t phase) const {
-  return static_cast<std::int32_t>(std::lround(duty_[phase] * kDutyFull));
+  return rounded(duty_[phase] * kDutyFull);
 }
 
 }  // namespace virtdrive::rzt1

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "firmware_models/rzt1/counts.h"
 #include "firmware_models/rzt1/status.h"
 
 namespace virtdrive::rzt1 {
@@ -25,7 +26,7 @@ void Interlocks::set(std::uint16_t status, std::uint32_t error) {
 }
 
 std::int64_t Interlocks::limit_us(std::int32_t time, const InterlockReading& reading) const {
-  return time_in_ms_ ? time * kPollUs : time * kSlotUs * reading.loop_slots;
+  return word(time) * (time_in_ms_ ? kPollUs : kSlotUs * reading.loop_slots);
 }
 
 InterlockOrder Interlocks::check(const InterlockReading& reading, const Settings& settings) {
@@ -57,9 +58,9 @@ void Interlocks::check_heat(const InterlockReading& reading, const Settings& set
     i2t_ = 0;
     return;
   }
-  const std::int64_t nominal = square(settings.climit);
+  const std::int64_t nominal = square(word(settings.climit));
   i2t_ = std::max<std::int64_t>(0, i2t_ + square(reading.total_current) - nominal);
-  if (i2t_ > (square(settings.plimit) - nominal) * settings.ptime) {
+  if (i2t_ > (square(word(settings.plimit)) - nominal) * word(settings.ptime)) {
     set(kMotorOverheat, kErrorMotorHeat);
   }
 }

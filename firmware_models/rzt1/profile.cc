@@ -27,6 +27,11 @@ constexpr std::int64_t sign(std::int64_t x) {
   return x < 0 ? -1 : 1;
 }
 
+// As much as the 32-bit register holds.
+constexpr std::int64_t clipped(std::int64_t velocity) {
+  return std::clamp<std::int64_t>(velocity, -INT32_MAX, INT32_MAX);
+}
+
 std::int64_t stop_distance(std::int64_t speed, std::int64_t deceleration) {
   return speed * speed / (2 * deceleration);
 }
@@ -281,7 +286,7 @@ void Profile::set(double position, double velocity) {
   const auto before = velocity_;
   position_ = static_cast<std::int64_t>(std::floor(position * kOne + 0.5)) + kHalf;
   position_ = wrapped(position_) & ~(kOne - 1);  // to the nearest count
-  velocity_ = std::llround(velocity * kOne);
+  velocity_ = clipped(std::llround(velocity * kOne));
   acceleration_ = velocity_ - before;
 }
 
@@ -330,8 +335,9 @@ void Profile::step_follow() {
   if (segment_cycles_ > 0) {
     const std::int64_t left = fixed(static_cast<std::int32_t>((target_ - position_) >> 16)) +
                               ((target_ - position_) & (kOne - 1));
-    velocity_ = left / segment_cycles_;
-    position_ += segment_cycles_ == 1 ? left : velocity_;
+    const std::int64_t step = left / segment_cycles_;
+    position_ += segment_cycles_ == 1 ? left : step;
+    velocity_ = clipped(step);
     --segment_cycles_;
   } else {
     velocity_ = 0;

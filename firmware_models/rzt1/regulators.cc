@@ -14,16 +14,16 @@ constexpr int kLimitShift = 11;  // MLIMIT 32767: 1024 counts a cycle
 }  // namespace
 
 void Regulators::latch(const Settings& s) {
-  kp_ = s.kp;
-  ki_ = s.ki;
-  kd_ = s.kd;
-  il_ = static_cast<std::int64_t>(s.il) << 8;
-  vff_ = s.vff;
-  aff_ = s.aff;
-  vkp_ = s.vkp;
-  vki_ = s.vki;
-  vkd_ = s.vkd;
-  ds_ = std::max(1, s.ds);
+  kp_ = word(s.kp);
+  ki_ = word(s.ki);
+  kd_ = word(s.kd);
+  il_ = word(s.il) << 8;
+  vff_ = word(s.vff);
+  aff_ = word(s.aff);
+  vkp_ = word(s.vkp);
+  vki_ = word(s.vki);
+  vkd_ = word(s.vkd);
+  ds_ = static_cast<std::int32_t>(std::max<std::int64_t>(1, word(s.ds)));
   max_error_ = s.max_error;
 }
 
@@ -56,12 +56,12 @@ std::int32_t Regulators::step(std::int32_t command, std::int32_t velocity,
                         (vff_ * (velocity >> 8) >> 7) + (aff_ * (acceleration >> 8) >> 8) +
                         settings.bias;
   last_error_ = e;
-  const std::int64_t limit = static_cast<std::int64_t>(settings.mlimit) << kLimitShift;
+  const std::int64_t limit = word(settings.mlimit) << kLimitShift;
   target = std::clamp(target, -limit, limit);
 
   const std::int64_t ev = target - velocity_;
-  const std::int64_t sum = velocity_sum_ + ev;
-  if (std::abs(vki_ * sum >> 16) <= kFull) velocity_sum_ = sum;
+  const std::int64_t integral = vki_ == 0 ? 0 : velocity_sum_ + ev;
+  if (std::abs(vki_ * integral >> 16) <= kFull) velocity_sum_ = integral;
   const std::int64_t q =
       (vkp_ * ev >> 12) + (vki_ * velocity_sum_ >> 16) + (vkd_ * (ev - last_velocity_error_) >> 12);
   last_velocity_error_ = ev;

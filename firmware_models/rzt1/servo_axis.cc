@@ -276,18 +276,19 @@ void ServoAxis::halt(std::int64_t deceleration) {
   profile_.stop(deceleration);
 }
 
-Result ServoAxis::stop() {
-  return both([](ServoAxis& axis) {
-    axis.halt(axis.deceleration());
+Result ServoAxis::quick_stop(std::int64_t deceleration) {
+  return both([deceleration](ServoAxis& axis) {
+    axis.halt(deceleration);
     return Result::kOk;
   });
 }
 
+Result ServoAxis::stop() {
+  return quick_stop(deceleration());
+}
+
 Result ServoAxis::abort() {
-  return both([](ServoAxis& axis) {
-    axis.halt(kAbruptly * axis.deceleration());
-    return Result::kOk;
-  });
+  return quick_stop(kAbruptly * deceleration());
 }
 
 Result ServoAxis::home() {
@@ -797,7 +798,7 @@ void ServoAxis::millisecond(std::int32_t bus_counts, std::int32_t temperature_co
 void ServoAxis::carry_out(const InterlockOrder& order) {
   if (order.power_off && (amplifier_on_ || servo_on_)) {
     (void)disable();
-  } else if (order.servo_off && servo_on_) {
+  } else if (order.servo_off && (servo_on_ || busy())) {
     (void)off();
   } else if (order.stop) {
     (void)stop();

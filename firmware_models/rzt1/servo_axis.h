@@ -35,9 +35,10 @@ namespace virtdrive::rzt1 {
 struct SlotReading {
   ShaftReading shaft;
   std::array<std::int32_t, 2> current_counts{};  // channels U, V, around 0
-  std::uint8_t input_pins = 0;                   // bit 0 = first input of the axis
-  std::uint8_t hall_pins = 0;
   bool amplifier_fault = false;
+  // With the loop cycle only.
+  std::uint8_t input_pins = 0;  // bit 0 = first input of the axis
+  std::uint8_t hall_pins = 0;
 };
 
 /// What it tells the inverter, from the next slot on; gates go off at once.
@@ -83,6 +84,8 @@ class ServoAxis {
   Result enable();
   Result disable();
   Result stop();
+  /// STOP with a deceleration of its own (16.16, > 0), as a fieldbus' quick stop has.
+  Result quick_stop(std::int64_t deceleration);
   Result abort();
   Result home();
   Result align();
@@ -202,6 +205,8 @@ class ServoAxis {
   // What the drive calls.
   void join(ServoAxis& partner) { partner_ = &partner; }
   void slot(const SlotReading& reading);
+  /// The next slot ends a loop cycle, in which pins are read.
+  bool reads_inputs() const { return slots_ + 1 >= regulators_.loop_slots(); }
   void millisecond(std::int32_t bus_counts, std::int32_t temperature_counts);
   const SlotOutput& slot_output() const { return slot_output_; }
   /// Nothing to do until somebody calls `wake` or the shaft turns.

@@ -17,6 +17,11 @@ constexpr SimDuration kEncoderStart = 150ms;  // 5.3
 constexpr Adc kAdc{.bits = 12, .reference_v = 3.3};
 constexpr double kBusCountsPerV = 8;
 constexpr double kCountsPerDegc = 20;
+constexpr double kMidScale = 2048;
+
+// The inverter over its surroundings (assumed): 40 K at 10 A of TC, first order in 100 s.
+constexpr double kWarmthK = 40, kWarmthA = 10;
+constexpr double kWarmthPerMs = 1e-3 / 100;
 
 // TIMER: 7500 counts of 150 MHz a period. What the task takes is assumed.
 constexpr std::int32_t kTaskCounts = 600;
@@ -25,6 +30,14 @@ constexpr std::int32_t kServoCounts = 900;
 
 SimTime next_multiple(SimTime now, SimDuration period) {
   return SimTime{(now.time_since_epoch() / period + 1) * period};
+}
+
+std::uint8_t input_pins(const AxisHardware& hardware, double angle) {
+  const HomeSwitch& home = hardware.home_switch;
+  if (home.input <= 0) return hardware.input_pins;
+  const unsigned bit = 1U << (home.input - 1);
+  const bool active = angle >= home.from_rad && angle < home.to_rad;
+  return static_cast<std::uint8_t>(active ? hardware.input_pins | bit : hardware.input_pins & ~bit);
 }
 
 }  // namespace
@@ -119,17 +132,29 @@ void ServoDrive::slot(std::size_t number) {
   unit.plant->advance_to(loop_.now());
   if (unit.awake) load(unit, hardware_.axis[number]);
   unit.servo->slot(sample(number));
-  // Gates go off at once; duties are loaded with the next period.
-  if (unit.servo->slot_output().mode == SlotOutput::Mode::kOff) switch_off(unit);
+  // Gates go off at once, and a faulty inverter's by itself; duties are loaded with the next
+  // period.
+  const bool off = unit.servo->slot_output().mode == SlotOutput::Mode::kOff;
+  if (off || hardware_.axis[number].amplifier_fault) switch_off(unit);
 }
 
 void ServoDrive::millisecond(Unit& unit) {
-  const std::size_t number = unit.servo->number();
-  const double degc = hardware_.axis[number].inverter_degc;
-  const double counts = std::clamp(degc * kCountsPerDegc, 0.0, 1.0 * kAdc.full_scale());
   unit.servo->millisecond(bus_sensor_.counts(unit.plant->state().bus_v, noise_),
-                          static_cast<std::int32_t>(counts));
+                          inverter_counts(unit));
   if (unit.servo->slot_output().mode == SlotOutput::Mode::kOff) switch_off(unit);
+}
+
+std::int32_t ServoDrive::inverter_counts(Unit& unit) {
+  if (unit.loaded == SlotOutput::Mode::kOff) {
+    unit.warmth_k -= unit.warmth_k * kWarmthPerMs;
+  } else {
+    const double amperes = unit.servo->total_current() * hardware_.current_full_scale_a / kMidScale;
+    const double target = kWarmthK * amperes * amperes / (kWarmthA * kWarmthA);
+    unit.warmth_k += (target - unit.warmth_k) * kWarmthPerMs;
+  }
+  const double degc = hardware_.axis[unit.servo->number()].inverter_degc + unit.warmth_k;
+  return static_cast<std::int32_t>(
+      std::clamp(degc * kCountsPerDegc, 0.0, static_cast<double>(kAdc.full_scale())));
 }
 
 std::int32_t ServoDrive::measure_timing() const {
@@ -161,8 +186,9 @@ std::uint16_t ServoDrive::inputs() const {
 SlotReading ServoDrive::sample(std::size_t number) {
   Unit& unit = units_[number];
   const AxisHardware& hardware = hardware_.axis[number];
+  const double angle = unit.plant->state().angle_rad;
   SlotReading reading;
-  reading.shaft = read_shaft(unit, hardware);
+  reading.shaft = read_shaft(unit, hardware, angle);
   const PhaseValues phases = unit.plant->phase_currents_a();
   PhaseValues channels{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -173,14 +199,15 @@ SlotReading ServoDrive::sample(std::size_t number) {
     reading.current_counts[i] =
         current_sensor_.counts(channels[i], noise_) - current_sensor_.zero_counts();
   }
-  reading.input_pins = input_pins(unit, hardware);
-  reading.hall_pins = hall_pins(number);
   reading.amplifier_fault = hardware.amplifier_fault;
+  if (unit.servo->reads_inputs()) {
+    reading.input_pins = input_pins(hardware, angle);
+    reading.hall_pins = hall_pins(number, angle);
+  }
   return reading;
 }
 
-ShaftReading ServoDrive::read_shaft(Unit& unit, const AxisHardware& hardware) const {
-  const double angle = unit.plant->state().angle_rad;
+ShaftReading ServoDrive::read_shaft(Unit& unit, const AxisHardware& hardware, double angle) const {
   ShaftReading reading;
   if (unit.servo->settings().etype == 0) {
     const double seen = hardware.incremental_cut ? unit.seen_rad : angle;
@@ -201,31 +228,19 @@ ShaftReading ServoDrive::read_shaft(Unit& unit, const AxisHardware& hardware) co
   return reading;
 }
 
-std::uint8_t ServoDrive::input_pins(const Unit& unit, const AxisHardware& hardware) const {
-  const HomeSwitch& home = hardware.home_switch;
-  unsigned pins = hardware.input_pins;
-  if (home.input > 0) {
-    const double angle = unit.plant->state().angle_rad;
-    const unsigned bit = 1U << (home.input - 1);
-    pins = angle >= home.from_rad && angle < home.to_rad ? pins | bit : pins & ~bit;
-  }
-  return static_cast<std::uint8_t>(pins);
-}
-
-std::uint8_t ServoDrive::hall_pins(std::size_t number) const {
+std::uint8_t ServoDrive::hall_pins(std::size_t number, double angle) const {
   using Plug = AxisHardware::HallPlug;
   const AxisHardware& hardware = hardware_.axis[number];
   const Plug read = hardware_.dip_halls_at_encoder[number] ? Plug::kEncoder : Plug::kP5;
   if (hardware.hall_plug != read) return 0;
-  const Unit& unit = units_[number];
-  return hardware.halls.bits(unit.pole_pairs * unit.plant->state().angle_rad);
+  return hardware.halls.bits(units_[number].pole_pairs * angle);
 }
 
 // --- Gates ---------------------------------------------------------------------------------------
 
 void ServoDrive::load(Unit& unit, const AxisHardware& hardware) {
   const SlotOutput& output = unit.servo->slot_output();
-  if (output.mode == SlotOutput::Mode::kOff) return;
+  if (output.mode == SlotOutput::Mode::kOff || hardware.amplifier_fault) return;
   BridgeCommand command{.mode = Bridge::kDriven,
                         .pwm_period = kSlot,
                         .dead_time = from_seconds(hardware_.dead_time_s)};

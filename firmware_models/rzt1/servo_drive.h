@@ -70,6 +70,7 @@ class ServoDrive {
     SlotOutput::Mode loaded = SlotOutput::Mode::kOff;
     double seen_rad = 0;  // the shaft's angle at the last slot
     double pole_pairs = 1;
+    double warmth_k = 0;  // of the inverter above its surroundings
   };
 
   void start(const std::array<Settings, kAxes>& settings);
@@ -80,10 +81,10 @@ class ServoDrive {
   void schedule();
   bool at_rest(const Unit& unit) const;
   SlotReading sample(std::size_t number);
-  ShaftReading read_shaft(Unit& unit, const AxisHardware& hardware) const;
-  std::uint8_t input_pins(const Unit& unit, const AxisHardware& hardware) const;
-  std::uint8_t hall_pins(std::size_t number) const;
+  ShaftReading read_shaft(Unit& unit, const AxisHardware& hardware, double angle_rad) const;
+  std::uint8_t hall_pins(std::size_t number, double angle_rad) const;
   void load(Unit& unit, const AxisHardware& hardware);
+  std::int32_t inverter_counts(Unit& unit);
   void switch_off(Unit& unit);
   std::int32_t measure_timing() const;
 

@@ -222,6 +222,33 @@ TEST(Interlock, AHotInverterIsNoticed) {
   EXPECT_EQ(rig.axis().on(), Result::kInterlock);
 }
 
+TEST(Interlock, AHotInverterCoolsWhenItRests) {
+  Rig rig;
+  ASSERT_EQ(rig.ready(), Result::kOk);
+  const std::int32_t cool = rig.axis().temperature_counts();
+  press(rig, 1.27);
+  rig.run_for(10s);
+  const std::int32_t warm = rig.axis().temperature_counts();
+  EXPECT_GT(warm, cool + 5);
+  ASSERT_EQ(rig.axis().disable(), Result::kOk);
+  rig.change_load({});
+  rig.run_for(200s);
+  EXPECT_LT(rig.axis().temperature_counts(), warm - 4);
+}
+
+TEST(Interlock, AFaultyInverterLetsGoByItself) {
+  Rig rig;
+  ASSERT_EQ(rig.axis().align(), Result::kOk);
+  rig.run_for(100ms);
+  EXPECT_GT(rig.axis().total_current(), 100);
+  rig.hardware.axis[0].amplifier_fault = true;
+  rig.run_for(50us);
+  rig.run_for(10ms);
+  EXPECT_LT(rig.axis().total_current(), 3);
+  EXPECT_FALSE(rig.axis().busy());
+  EXPECT_TRUE(rig.axis().search_failed());
+}
+
 TEST(Interlock, OneAxisTripsAndTheOtherGoesOn) {
   Rig rig;
   ASSERT_EQ(rig.ready(0), Result::kOk);

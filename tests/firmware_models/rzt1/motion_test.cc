@@ -49,7 +49,7 @@ double trapezoid_s(double counts, const Settings& s) {
   return (counts / v + v / a) * 50e-6 * s.ds;
 }
 
-// --- The digest's gates (section 10), each with a margin of 1.5 ----------------------------------
+// --- What the factory settings were chosen by, each figure with a margin of 1.5 -----------------
 
 TEST(Gates, ATurnWithTheDefaults) {
   Rig rig;

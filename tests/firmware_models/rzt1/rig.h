@@ -17,7 +17,7 @@ namespace virtdrive::rzt1 {
 inline constexpr double kTurnRad = 2 * std::numbers::pi;
 inline constexpr std::int32_t kTurn = 131072;  // counts
 
-/// The bench of the digest's figures: a 400-W motor on 280 V.
+/// The bench that the factory settings were chosen for: a 400-W motor on 280 V.
 inline AxisParameters bench_axis() {
   const Motor motor = find_motor("servo-400w");
   return {.motor = motor.electrical,
