@@ -116,7 +116,7 @@ Settings default_settings(const Model& model) {
   s.resistor_power = static_cast<std::uint16_t>(std::lround(model.braking_w / 10));
   if (model.name == "4") {
     s.torque_boost1 = s.torque_boost2 = 40;
-    s.boost_gain = 38;
+    s.boost_gain = 27;
     s.rated_current = 68;
     s.no_load_current = 50;
     s.rated_rpm = 1744;
@@ -124,7 +124,7 @@ Settings default_settings(const Model& model) {
     s.acceleration1 = s.deceleration1 = s.acceleration2 = s.deceleration2 = 300;
     s.torque_boost1 = s.torque_boost2 = 20;
     s.carrier = 80;
-    s.boost_gain = 17;
+    s.boost_gain = 12;
     s.rated_current = 340;
     s.no_load_current = 39;
     s.rated_rpm = 1770;

@@ -88,28 +88,34 @@ TEST_P(Asd7Sizes, ReachSixtyHertzWithAFan) {
   DriveBench b(GetParam());
   b.load(b.fan());
   b.start(60);
-  EXPECT_EQ(b.until_trip(25s), 25) << trip_of(b);
+  b.until_trip(25s);
+  EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
   EXPECT_EQ(b.hz(), 60);
   EXPECT_NEAR(b.rpm() / b.motor.rating.speed_rpm, 1, 0.006);
   EXPECT_NEAR(b.drive.monitor().torque / 1e4, 1, 0.09) << "as the drive estimates it";
 }
 
-TEST_P(Asd7Sizes, ReachSixtyHertzAgainstAHoist) {
+TEST_P(Asd7Sizes, ReachSixtyHertzAgainstConstantTorque) {
   DriveBench b(GetParam());
   b.load({.inertia_kgm2 = b.motor.mechanics.inertia_kgm2, .brake_torque_nm = 1.2 * b.rated_nm()});
   b.start(60);
-  double peak = 0, t = 0;
-  for (; t < 25 && !b.drive.tripped(); t += 0.05) {
-    b.run(50ms);
-    peak = std::max(peak, b.current_percent());
+  // Rms over 10 ms, in percent of the rated current.
+  double peak = 0;
+  for (int i = 0; i < 2300 && !b.drive.tripped(); ++i) {
+    double squares = 0;
+    for (int k = 0; k < 10; ++k) {
+      b.run(1ms);
+      const AxisState& x = b.axis.state();
+      squares += (x.i_d_a * x.i_d_a + x.i_q_a * x.i_q_a) / 2;
+    }
+    peak = std::max(peak, 100 * std::sqrt(squares / 10) / b.model.rated_current_a);
   }
   EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
   EXPECT_EQ(b.hz(), 60);
   const double expected = b.model.name == "0.75" ? 96 : b.model.name == "4" ? 126 : 154;
-  EXPECT_NEAR(peak, expected, 16);
+  EXPECT_NEAR(peak / expected, 1, 0.1);
 }
 
-// Ten times the motor's inertia stops without a trip from the default ramp, but for the largest.
 TEST_P(Asd7Sizes, StopFiveTimesTheInertiaWithoutResistorOrTrip) {
   DriveBench b(GetParam());
   b.load({.inertia_kgm2 = 4 * b.motor.mechanics.inertia_kgm2});
@@ -117,7 +123,8 @@ TEST_P(Asd7Sizes, StopFiveTimesTheInertiaWithoutResistorOrTrip) {
   b.run(23s);
   ASSERT_EQ(b.hz(), 60);
   b.stop();
-  EXPECT_EQ(b.until_trip(30s), 30) << trip_of(b);
+  b.until_trip(30s);
+  EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
   EXPECT_EQ(b.status(), 0x4000);
 }
 
@@ -136,7 +143,8 @@ TEST_P(Asd7Sizes, TooFastADecelerationTripsWithoutResistorAndNotWithIt) {
     b.set([](Settings& s) { s.deceleration1 = 13; });
     b.stop();
     if (resistor) {
-      EXPECT_GE(b.until_trip(1500ms), 1.5) << trip_of(b);
+      b.until_trip(1500ms);
+      EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
       EXPECT_EQ(b.status(), 0x4000);
     } else {
       EXPECT_LT(b.until_trip(1500ms), 1);
@@ -146,6 +154,18 @@ TEST_P(Asd7Sizes, TooFastADecelerationTripsWithoutResistorAndNotWithIt) {
   }
 }
 
+TEST(Asd7Drive, TheLargestTripsWhereItsLimitIsTooSlow) {
+  DriveBench b("22");
+  b.load({.inertia_kgm2 = 4 * b.motor.mechanics.inertia_kgm2});
+  b.start(60);
+  b.run(24s);
+  ASSERT_EQ(b.hz(), 60);
+  b.set([](Settings& s) { s.deceleration1 = 27; });  // 30 Hz/s
+  b.stop();
+  EXPECT_LT(b.until_trip(5s), 5);
+  EXPECT_EQ(b.drive.trip(), Trip::kOp2);
+}
+
 TEST(Asd7Drive, TheOvervoltageLimitHoldsTheLinkOfTheSmallest) {
   DriveBench b("0.75");
   b.load({.inertia_kgm2 = 4 * b.motor.mechanics.inertia_kgm2});
@@ -153,7 +173,8 @@ TEST(Asd7Drive, TheOvervoltageLimitHoldsTheLinkOfTheSmallest) {
   b.run(10s);
   b.set([](Settings& s) { s.deceleration1 = 27; });  // 30 Hz/s
   b.stop();
-  EXPECT_EQ(b.until_trip(8s), 8) << trip_of(b);
+  b.until_trip(8s);
+  EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
   EXPECT_EQ(b.status(), 0x4000);
 }
 
@@ -258,8 +279,8 @@ TEST(Asd7Drive, InverterOverloadTripsAtTheCurvesTime) {
     s.motor_guard = 3;
   });
   b.load({.locked = true});
-  b.start(3.5);
-  b.run(2s);
+  b.start(12);
+  b.run(3s);
   const double r = b.current_percent() / 100;
   ASSERT_GT(r, 1.15);
   ASSERT_LT(r, 1.75);
@@ -295,13 +316,15 @@ TEST(Asd7Drive, ABlockedStartIsHeldByTheStallLimitOrTrips) {
   b.load({.locked = true});
   b.start(60);
   double most = 0;
-  for (int i = 0; i < 50 && !b.drive.tripped(); ++i) {
-    b.run(100ms);
+  unsigned alarms = 0;
+  for (int i = 0; i < 500 && !b.drive.tripped(); ++i) {
+    b.run(10ms);
     most = std::max(most, b.current_percent());
+    alarms |= b.drive.alarms();
   }
   EXPECT_FALSE(b.drive.tripped()) << trip_of(b);
   EXPECT_LT(most, 165);
-  EXPECT_NE(b.drive.alarms() & kAlarmOverCurrent, 0);
+  EXPECT_NE(alarms & kAlarmOverCurrent, 0U);
   EXPECT_LT(b.hz(), 20);
   b.set([](Settings& s) {
     s.stall_level1 = 200;
