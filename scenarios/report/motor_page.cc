@@ -11,6 +11,7 @@
 
 #include "plant/induction_curves.h"
 #include "plant/motor_curves.h"
+#include "scenarios/report/chart.h"
 #include "scenarios/report/svg_plot.h"
 
 namespace virtdrive {
@@ -30,34 +31,6 @@ constexpr double kGap = 74;                 // between a plot and the next one's
 constexpr double kCell = 2;                 // of the map as drawn
 constexpr double kNodeX = 8, kNodeY = 5.8;  // between two computed points of it
 constexpr int kSpeeds = 240;
-
-// Colours stand in the file: whoever shows it need not know style variables.
-constexpr std::string_view kStyle = R"(
-.page { fill: #ffffff }
-text { font: 12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif; fill: #5b6675 }
-.title { font-size: 22px; font-weight: 600; fill: #1c2430 }
-.head { font-size: 14px; font-weight: 600; fill: #1c2430 }
-.value { font-size: 14px; fill: #1c2430 }
-.grid, .axis, .line, .mark { fill: none; stroke-width: 1 }
-.grid { stroke: #e8ebef }
-.axis { stroke: #aab2bd }
-.line { stroke-width: 2; stroke-linejoin: round }
-.mark { stroke: #5b6675; stroke-dasharray: 3 3 }
-.dashed { stroke-dasharray: 6 4 }
-.blue { stroke: #1f6fd6 } .orange { stroke: #d9630f } .green { stroke: #1f8a4c }
-.fill-blue { fill: #1f6fd6; fill-opacity: .16 } .fill-orange { fill: #d9630f; fill-opacity: .10 }
-.rated { fill: #ffffff; stroke: #1c2430; stroke-width: 2 }
-.rim { stroke: #1c2430; stroke-width: 1.5; fill: none }
-@media (prefers-color-scheme: dark) {
-  .page { fill: #14181e }
-  text { fill: #98a3b1 }
-  .title, .head, .value { fill: #e4e8ee }
-  .grid { stroke: #262d36 }
-  .axis { stroke: #55606d }
-  .rated { fill: #14181e; stroke: #e4e8ee }
-  .rim { stroke: #e4e8ee }
-}
-)";
 
 // Efficiency in bands, each with the colour that begins at its lower end: equal steps of viridis.
 struct Band {
@@ -87,96 +60,11 @@ std::size_t band_of(double efficiency) {
   return band;
 }
 
-template <typename... Args>
-void put(std::string& svg, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(svg), format, std::forward<Args>(args)...);
-}
-
-struct Axis {
-  double maximum;
-  double step;
-  // Of an axis of speeds: rpm, or m/s of what moves along a line.
-  double per_radps = kRpmPerRadps;
-  std::string_view unit = "rpm";
-};
-
-// From 0 up to a round number; of a motor that can do nothing, up to 1.
-Axis axis_up_to(double maximum, int ticks) {
-  if (!(maximum > 0)) maximum = 1;
-  const double step = axis_ticks(0, maximum, ticks).step;
-  return {std::ceil(maximum / step - 1e-9) * step, step};
-}
-
-struct Frame {
-  double left, top, width, height;
-  Axis x, y;
-
-  double px(double value) const { return left + width * value / x.maximum; }
-  double px_of_speed(double radps) const { return px(radps * x.per_radps); }
-  double py(double value) const { return top + height * (1 - value / y.maximum); }
-};
-
-void put_axes(std::string& svg, const Frame& f, std::string_view y_unit) {
-  for (double v = 0; v <= f.y.maximum * (1 + 1e-9); v += f.y.step) {
-    put(svg,
-        "<path class=\"{}\" d=\"M{:.1f} {:.1f}h{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
-        "text-anchor=\"end\">{}</text>\n",
-        v == 0 ? "axis" : "grid", f.left, f.py(v), f.width, f.left - 8, f.py(v) + 4,
-        tick_label(v, f.y.step));
-  }
-  for (double v = 0; v <= f.x.maximum * (1 + 1e-9); v += f.x.step) {
-    put(svg,
-        "<path class=\"{}\" d=\"M{:.1f} {:.1f}v{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
-        "text-anchor=\"middle\">{}</text>\n",
-        v == 0 ? "axis" : "grid", f.px(v), f.top, f.height, f.px(v), f.top + f.height + 17,
-        tick_label(v, f.x.step));
-  }
-  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", f.left + f.width,
-      f.top + f.height + 32, f.x.unit);
-  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", f.left - 8, f.top - 8,
-      y_unit);
-}
-
-void put_heading(std::string& svg, const Frame& f, std::string_view text) {
-  put(svg, "<text class=\"head\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", f.left, f.top - 26, text);
-}
-
-struct Key {
-  std::string_view line;  // classes
-  std::string text;
-};
-void put_keys(std::string& svg, const Frame& f, const std::vector<Key>& keys) {
-  double x = f.left;
-  for (const Key& key : keys) {
-    put(svg,
-        "<path class=\"line {}\" d=\"M{:.1f} {:.1f}h20\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}"
-        "</text>\n",
-        key.line, x, f.top - 12, x + 26, f.top - 8, key.text);
-    x += 26 + 6.6 * static_cast<double>(key.text.size()) + 18;
-  }
-}
-
 using Curve = std::vector<OperatingPoint>;
 using Value = std::function<double(const OperatingPoint&)>;
 
 double torque_of(const OperatingPoint& point) {
   return std::max(0.0, point.torque_nm);
-}
-
-std::string path_of(const Frame& f, const Curve& curve, const Value& value) {
-  std::string path;
-  for (const OperatingPoint& point : curve) {
-    put(path, "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', f.px_of_speed(point.speed_radps),
-        f.py(value(point)));
-  }
-  return path;
-}
-
-std::string area_of(const Frame& f, const Curve& curve) {
-  if (curve.empty()) return {};
-  return path_of(f, curve, torque_of) + fmt::format("L{:.1f} {:.1f}L{:.1f} {:.1f}Z",
-                                                    f.px_of_speed(curve.back().speed_radps),
-                                                    f.py(0), f.px(0), f.py(0));
 }
 
 double greatest(const Curve& curve, const Value& value) {
@@ -204,7 +92,8 @@ class Page {
         constants_(motor_constants(steady_)),
         has_peak_(motor.rating.peak_current_a > motor.rating.current_a),
         rated_limits_(limits_of(motor)),
-        outer_limits_(limits_of(motor, true)) {
+        outer_limits_(limits_of(motor, true)),
+        chart_(motor.name, kWidth) {
     // With a strong field weakening there is no end by itself.
     constexpr double kWeakening = 2.5, kFastest = 5e4;
     const double no_load_radps =
@@ -221,69 +110,73 @@ class Page {
   }
 
   std::string svg() {
-    std::string body;
-    put_facts(body);
-    put_torque(body);
-    put_power_and_current(body);
-    put_map(body);
-    const double height = y_ + 14;
-    std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1:.0f}\" width=\"{0}\" "
-        "height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n<style>{3}</style>\n"
-        "<rect class=\"page\" width=\"{0}\" height=\"{1:.0f}\"/>\n",
-        kWidth, height, escape_xml(motor_.name), kStyle);
-    return svg + body + "</svg>\n";
+    put_facts();
+    put_torque();
+    put_power_and_current();
+    put_map();
+    return chart_.svg(y_ + 14);
   }
 
  private:
-  Axis speed_axis(double last_radps, int ticks) const {
-    const bool coil = motor_.kind == MachineKind::kVoiceCoil;
-    const double per_radps = coil ? 1 : kRpmPerRadps;
-    Axis axis = axis_up_to(last_radps * per_radps, ticks);
-    axis.per_radps = per_radps;
-    axis.unit = coil ? "m/s" : "rpm";
-    return axis;
+  bool coil() const { return motor_.kind == MachineKind::kVoiceCoil; }
+  /// What of the axis of speeds is a rad/s: rpm, or m/s of what moves along a line.
+  double per_radps() const { return coil() ? 1 : kRpmPerRadps; }
+  Scale speed_axis(double last_radps, int ticks) const {
+    return scale_up_to(last_radps * per_radps(), ticks, coil() ? "m/s" : "rpm");
   }
-  std::string_view torque_unit() const {
-    return motor_.kind == MachineKind::kVoiceCoil ? "N" : "Nm";
+  std::vector<Point> points_of(const Curve& curve, const Value& value) const {
+    std::vector<Point> points;
+    for (const OperatingPoint& p : curve) points.push_back({p.speed_radps * per_radps(), value(p)});
+    return points;
   }
+  void put_curve(const Plot& plot, const Curve& curve, const Value& value,
+                 std::string_view classes) {
+    chart_.curve(plot, points_of(curve, value), classes);
+  }
+  std::string area_of(const Plot& plot, const Curve& curve) const {
+    std::vector<Point> points = points_of(curve, torque_of);
+    if (points.empty()) return {};
+    points.push_back({points.back().x, 0});
+    points.push_back({0, 0});
+    return path_of(plot, points) + "Z";
+  }
+  std::string torque_unit() const { return coil() ? "N" : "Nm"; }
 
-  void put_facts(std::string& svg) {
+  void put_facts() {
     constexpr std::size_t kLongTitle = 70;
-    put(svg, "<text class=\"{}\" x=\"{}\" y=\"40\">{}</text>\n",
-        motor_.description.size() > kLongTitle ? "head" : "title", kMargin,
-        escape_xml(motor_.description));
+    chart_.put("<text class=\"{}\" x=\"{}\" y=\"40\">{}</text>\n",
+               motor_.description.size() > kLongTitle ? "head" : "title", kMargin,
+               escape_xml(motor_.description));
     std::string source = motor_.source;
     constexpr std::size_t kMost = 130;
     if (source.size() > kMost) source = source.substr(0, kMost) + " ...";
-    put(svg, "<text x=\"{}\" y=\"62\">{}: {}</text>\n", kMargin, escape_xml(motor_.name),
-        escape_xml(source));
+    chart_.put("<text x=\"{}\" y=\"62\">{}: {}</text>\n", kMargin, escape_xml(motor_.name),
+               escape_xml(source));
     const MotorRating& r = motor_.rating;
     const PmsmParameters& e = steady_.machine();
     constexpr std::string_view kCounted[] = {"peak", "rms", "DC"};
     const auto shown = [](double value, std::string_view unit) {
       return std::isfinite(value) ? fmt::format("{:.4g} {}", value, unit) : std::string("none");
     };
-    const bool coil = motor_.kind == MachineKind::kVoiceCoil;
     const bool phases = !steady_.two_terminals();
-    const std::string_view newton = torque_unit();
+    const std::string newton = torque_unit();
     std::vector<std::pair<std::string, std::string>> facts = {
         {"Rated voltage", shown(r.voltage_v, "V")},
         {"Rated current",
          fmt::format("{:.4g} A {}", r.current_a, kCounted[static_cast<std::size_t>(r.counted_as)])},
-        {coil ? "Force at rated current" : "Torque at rated current",
+        {coil() ? "Force at rated current" : "Torque at rated current",
          shown(constants_.rated_torque_nm, newton)},
-        {"No-load speed", coil ? shown(constants_.no_load_radps, "m/s")
-                               : shown(constants_.no_load_radps * kRpmPerRadps, "rpm")},
-        {coil ? "Force constant" : "Torque constant",
+        {"No-load speed", coil() ? shown(constants_.no_load_radps, "m/s")
+                                 : shown(constants_.no_load_radps * kRpmPerRadps, "rpm")},
+        {coil() ? "Force constant" : "Torque constant",
          fmt::format("{:.4g} {}/A{}", constants_.torque_constant_nm_per_a, newton,
                      phases ? " peak" : "")},
         {phases ? "Phase resistance" : "Resistance", shown(steady_.resistance_ohm(), "Ohm")},
         {phases ? "Inductance d, q" : "Inductance",
          phases ? fmt::format("{:.4g}, {:.4g} mH", e.inductance_d_h * 1e3, e.inductance_q_h * 1e3)
                 : shown(e.inductance_q_h * 1e3, "mH")},
-        {coil ? "Moving mass" : "Rotor inertia",
-         shown(motor_.mechanics.inertia_kgm2, coil ? "kg" : "kg m2")},
+        {coil() ? "Moving mass" : "Rotor inertia",
+         shown(motor_.mechanics.inertia_kgm2, coil() ? "kg" : "kg m2")},
         {"Electrical time constant", shown(constants_.electrical_time_constant_s * 1e3, "ms")},
         {"Mechanical time constant", shown(constants_.mechanical_time_constant_s * 1e3, "ms")},
         {"Stall current", shown(constants_.stall_current_a, phases ? "A peak" : "A")}};
@@ -293,7 +186,7 @@ class Page {
       const double x =
           kMargin + static_cast<double>(i % kColumns) * (kWidth - 2 * kMargin) / kColumns;
       const double y = 92 + static_cast<double>(i / kColumns) * 42;
-      put(svg,
+      chart_.put(
           "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text><text class=\"value\" x=\"{:.1f}\" "
           "y=\"{:.1f}\">{}</text>\n",
           x, y, facts[i].first, x, y + 18, facts[i].second);
@@ -306,66 +199,69 @@ class Page {
                        steady_.two_terminals() ? "" : " peak of a phase");
   }
 
-  void put_rated_point(std::string& svg, const Frame& f) const {
+  void put_rated_point(const Plot& f) {
     const MotorRating& r = motor_.rating;
     double torque_nm = r.torque_nm;
     if (torque_nm == 0 && r.power_w > 0 && r.speed_rpm > 0) {
       torque_nm = r.power_w * kRpmPerRadps / r.speed_rpm;
     }
-    if (torque_nm == 0 || r.speed_rpm == 0 || r.speed_rpm > f.x.maximum ||
-        torque_nm > f.y.maximum) {
+    if (torque_nm == 0 || r.speed_rpm == 0 || r.speed_rpm > f.x.high || torque_nm > f.y.high) {
       return;
     }
-    put(svg,
+    chart_.put(
         "<circle class=\"rated\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"><title>Rated: {:.4g} Nm at "
         "{:.4g} rpm</title></circle>\n",
         f.px(r.speed_rpm), f.py(torque_nm), torque_nm, r.speed_rpm);
   }
 
-  void put_torque(std::string& svg) {
-    const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft,
-                  kTorqueHeight,   speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
-    put_heading(svg, f,
-                motor_.kind == MachineKind::kVoiceCoil ? "Force over speed" : "Torque over speed");
-    std::vector<Key> keys = {{"blue", "rated current: " + at_current(rated_limits_)}};
+  void put_torque() {
+    const Plot f{kMargin + kLeft,
+                 y_,
+                 kWidth - 2 * kMargin - kLeft,
+                 kTorqueHeight,
+                 speed_axis_,
+                 scale_up_to(greatest(outer_, torque_of) * 1.02, 7, torque_unit())};
+    chart_.heading(f, coil() ? "Force over speed" : "Torque over speed");
+    std::vector<Chart::Key> keys = {{"blue", "rated current: " + at_current(rated_limits_)}};
     if (has_peak_) keys.push_back({"orange", "for a short time: " + at_current(outer_limits_)});
-    put_keys(svg, f, keys);
-    put_axes(svg, f, torque_unit());
+    chart_.keys(f, keys);
+    chart_.axes(f);
     if (has_peak_) {
-      put(svg, "<path class=\"fill-orange\" d=\"{}\"/>\n", area_of(f, outer_));
-      put(svg, "<path class=\"line orange\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
+      chart_.put("<path class=\"fill-orange\" d=\"{}\"/>\n", area_of(f, outer_));
+      put_curve(f, outer_, torque_of, "orange");
     }
-    put(svg, "<path class=\"fill-blue\" d=\"{}\"/>\n", area_of(f, rated_));
-    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(f, rated_, torque_of));
-    const double no_load_x = f.px_of_speed(constants_.no_load_radps);
+    chart_.put("<path class=\"fill-blue\" d=\"{}\"/>\n", area_of(f, rated_));
+    put_curve(f, rated_, torque_of, "blue");
+    const double no_load_x = f.px(constants_.no_load_radps * per_radps());
     if (no_load_x <= f.left + f.width && !steady_.two_terminals()) {
       const bool right = no_load_x < f.left + f.width * 0.8;
-      put(svg,
+      chart_.put(
           "<path class=\"mark\" d=\"M{:.1f} {:.1f}v{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
           "text-anchor=\"{}\">no load, id = 0</text>\n",
           no_load_x, f.top, f.height, no_load_x + (right ? 6 : -6), f.top + 14,
           right ? "start" : "end");
     }
-    put_rated_point(svg, f);
+    put_rated_point(f);
     y_ += kTorqueHeight + kGap;
   }
 
-  void put_power_and_current(std::string& svg) {
+  void put_power_and_current() {
     const auto power = [](const OperatingPoint& p) { return std::max(0.0, p.output_w); };
     const double most_w = greatest(outer_, power);
     const bool kilowatts = most_w >= 2000;
     const double per_unit = kilowatts ? 1e-3 : 1;
     const auto shown_power = [&](const OperatingPoint& p) { return power(p) * per_unit; };
-    const Axis speed = speed_axis(speed_axis_.maximum / speed_axis_.per_radps, 6);
+    const Scale speed = speed_axis(speed_axis_.high / per_radps(), 6);
     const double width = kHalf - kLeft - 8;
-    const Frame left{kMargin + kLeft, y_,    width,
-                     kSmallHeight,    speed, axis_up_to(most_w * per_unit * 1.02, 6)};
-    put_heading(svg, left, "Power at the shaft");
-    put_axes(svg, left, kilowatts ? "kW" : "W");
+    const Plot left{
+        kMargin + kLeft, y_,    width,
+        kSmallHeight,    speed, scale_up_to(most_w * per_unit * 1.02, 6, kilowatts ? "kW" : "W")};
+    chart_.heading(left, "Power at the shaft");
+    chart_.axes(left);
     if (has_peak_) {
-      put(svg, "<path class=\"line orange\" d=\"{}\"/>\n", path_of(left, outer_, shown_power));
+      put_curve(left, outer_, shown_power, "orange");
     }
-    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(left, rated_, shown_power));
+    put_curve(left, rated_, shown_power, "blue");
 
     const double bus_v = motor_.rating.voltage_v;
     const Value phase = [](const OperatingPoint& p) { return p.current_peak_a(); };
@@ -373,38 +269,44 @@ class Page {
       return std::max(0.0, p.input_w) / bus_v;
     };
     const double most_a = std::max(greatest(rated_, phase), greatest(rated_, link));
-    const Frame right{kMargin + kHalf + kLeft + 8, y_, width, kSmallHeight, speed,
-                      axis_up_to(most_a * 1.05, 6)};
-    put_heading(svg, right, "Current at the rated limit");
-    put_keys(
-        svg, right,
-        {{"blue", steady_.two_terminals() ? "motor" : "phase, peak"}, {"green dashed", "DC link"}});
-    put_axes(svg, right, "A");
-    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(right, rated_, phase));
-    put(svg, "<path class=\"line green dashed\" d=\"{}\"/>\n", path_of(right, rated_, link));
+    const Plot right{kMargin + kHalf + kLeft + 8,       y_, width, kSmallHeight, speed,
+                     scale_up_to(most_a * 1.05, 6, "A")};
+    chart_.heading(right, "Current at the rated limit");
+    chart_.keys(right, {{"blue", steady_.two_terminals() ? "motor" : "phase, peak"},
+                        {"green dashed", "DC link"}});
+    chart_.axes(right);
+    put_curve(right, rated_, phase, "blue");
+    put_curve(right, rated_, link, "green dashed");
     y_ += kSmallHeight + kGap;
   }
 
-  void put_map(std::string& svg) {
+  void put_map() {
     constexpr double kScale = 92;  // for the colours' key
-    const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft - kScale,
-                  kMapHeight,      speed_axis_, axis_up_to(greatest(outer_, torque_of) * 1.02, 7)};
-    put_heading(svg, f, "Efficiency: shaft power over electrical power, copper and friction");
-    put_axes(svg, f, torque_unit());
-    put(svg, "<clipPath id=\"reach\"><path d=\"{}\"/></clipPath>\n<g clip-path=\"url(#reach)\">\n",
+    const Plot f{kMargin + kLeft,
+                 y_,
+                 kWidth - 2 * kMargin - kLeft - kScale,
+                 kMapHeight,
+                 speed_axis_,
+                 scale_up_to(greatest(outer_, torque_of) * 1.02, 7, torque_unit())};
+    chart_.heading(f, "Efficiency: shaft power over electrical power, copper and friction");
+    chart_.axes(f);
+    chart_.put(
+        "<clipPath id=\"reach\"><path d=\"{}\"/></clipPath>\n<g clip-path=\"url(#reach)\">\n",
         area_of(f, outer_));
-    const OperatingPoint best = put_cells(svg, f);
-    svg += "</g>\n";
+    const OperatingPoint best = put_cells(f);
+    chart_.put("</g>\n");
     if (has_peak_) {
-      put(svg, "<path class=\"rim dashed\" d=\"{}\"/>\n", path_of(f, rated_, torque_of));
+      chart_.put("<path class=\"rim dashed\" d=\"{}\"/>\n",
+                 path_of(f, points_of(rated_, torque_of)));
     }
-    put(svg, "<path class=\"rim\" d=\"{}\"/>\n", path_of(f, outer_, torque_of));
-    put_rated_point(svg, f);
-    put_scale(svg, f, band_of(best.efficiency()));
-    put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\">best {:.1f} % at {:.3g} {}, {:.4g} {}{}{}</text>\n",
-        f.left, f.top + f.height + 34, best.efficiency() * 100, best.torque_nm, torque_unit(),
-        best.speed_radps * f.x.per_radps, f.x.unit, has_peak_ ? "; dashed: rated current" : "",
-        friction_free() ? "; the set has no friction" : "");
+    chart_.put("<path class=\"rim\" d=\"{}\"/>\n", path_of(f, points_of(outer_, torque_of)));
+    put_rated_point(f);
+    put_scale(f, band_of(best.efficiency()));
+    chart_.put("<text x=\"{:.1f}\" y=\"{:.1f}\">best {:.1f} % at {:.3g} {}, {:.4g} {}{}{}</text>\n",
+               f.left, f.top + f.height + 34, best.efficiency() * 100, best.torque_nm,
+               torque_unit(), best.speed_radps * per_radps(), f.x.unit,
+               has_peak_ ? "; dashed: rated current" : "",
+               friction_free() ? "; the set has no friction" : "");
     y_ += kMapHeight + 40;
   }
 
@@ -429,7 +331,7 @@ class Page {
     }
   };
 
-  Nodes compute_nodes(const Frame& f) const {
+  Nodes compute_nodes(const Plot& f) const {
     Nodes nodes{.columns = static_cast<int>(f.width / kNodeX) + 2,
                 .rows = static_cast<int>(f.height / kNodeY) + 2,
                 .efficiency = {},
@@ -437,11 +339,11 @@ class Page {
     const double last_radps = outer_.empty() ? 0 : outer_.back().speed_radps;
     nodes.efficiency.resize(static_cast<std::size_t>(nodes.columns * nodes.rows));
     for (int column = 0; column < nodes.columns; ++column) {
-      const double speed_radps = column * kNodeX / f.width * f.x.maximum / f.x.per_radps;
+      const double speed_radps = column * kNodeX / f.width * f.x.high / per_radps();
       const auto rim = most_torque(steady_, outer_limits_, speed_radps);
       const double rim_efficiency = rim ? rim->efficiency() : 0;
       for (int row = 0; row < nodes.rows; ++row) {
-        const double torque_nm = row * kNodeY / f.height * f.y.maximum;
+        const double torque_nm = row * kNodeY / f.height * f.y.high;
         const auto point = least_current(steady_, outer_limits_, torque_nm, speed_radps);
         if (point && speed_radps <= last_radps && point->efficiency() > nodes.best.efficiency())
           nodes.best = *point;
@@ -453,7 +355,7 @@ class Page {
   }
 
   // A path a band; cells of one band in a row are one rectangle of it. Returns the best point.
-  OperatingPoint put_cells(std::string& svg, const Frame& f) const {
+  OperatingPoint put_cells(const Plot& f) {
     const Nodes nodes = compute_nodes(f);
     std::array<std::string, kBands.size()> paths;
     const int columns = static_cast<int>(f.width / kCell),
@@ -465,25 +367,25 @@ class Page {
       for (int first = 0, next = 0; first < columns; first = next) {
         const std::size_t band = band_at(first);
         while (next < columns && band_at(next) == band) ++next;
-        put(paths[band], "M{:.0f} {:.0f}h{:.0f}v{:.0f}h-{:.0f}z", f.left + first * kCell,
-            f.top + f.height - (row + 1) * kCell, (next - first) * kCell, kCell,
-            (next - first) * kCell);
+        fmt::format_to(std::back_inserter(paths[band]), "M{:.0f} {:.0f}h{:.0f}v{:.0f}h-{:.0f}z",
+                       f.left + first * kCell, f.top + f.height - (row + 1) * kCell,
+                       (next - first) * kCell, kCell, (next - first) * kCell);
       }
     }
     for (std::size_t band = 0; band < kBands.size(); ++band) {
       if (paths[band].empty()) continue;
-      put(svg, "<path fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.4\" d=\"{1}\"/>\n",
-          kBands[band].color, paths[band]);
+      chart_.put("<path fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.4\" d=\"{1}\"/>\n",
+                 kBands[band].color, paths[band]);
     }
     return nodes.best;
   }
 
-  static void put_scale(std::string& svg, const Frame& f, std::size_t highest) {
+  void put_scale(const Plot& f, std::size_t highest) {
     const double height = std::min(18.0, f.height / static_cast<double>(highest + 1));
     const double x = f.left + f.width + 26;
     for (std::size_t band = 0; band <= highest; ++band) {
       const double y = f.top + f.height - static_cast<double>(band + 1) * height;
-      put(svg,
+      chart_.put(
           "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"{:.1f}\" fill=\"{}\"/>"
           "<text x=\"{:.1f}\" y=\"{:.1f}\">{} %</text>\n",
           x, y, height + 0.4, kBands[band].color, x + 24, y + height + 4, kBands[band].from);
@@ -496,7 +398,8 @@ class Page {
   bool has_peak_;
   DriveLimits rated_limits_, outer_limits_;
   Curve rated_, outer_;
-  Axis speed_axis_{};
+  Scale speed_axis_;
+  Chart chart_;
   double y_ = 0;  // where the next plot's frame begins
 };
 
