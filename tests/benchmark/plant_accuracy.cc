@@ -41,7 +41,8 @@ phase current of the run: the worst and the root mean square. What the table doe
 
 `default` is ERKStep (Dormand-Prince 7-4-5) at a relative tolerance of 1e-6, `fast` RK4 with event location. In `six-step` the motor has a trapezoidal EMF, its
 open phase conducts through body diodes, and the corners of the EMF, the edges of the PWM and the diodes' events all bound steps.
-In the other modes the EMF is a sine and every motor is linear. With gates off and the EMF just above the link, a diode conducts for slivers; one that a step
+In the other modes the EMF is a sine and every motor is linear, but for the last three rows: they have the motor's own saturation, thermal network and EMF, or,
+of which no motor of the library has a source, a tenth of fifth harmonic with cogging and hysteresis of a twentieth of the rated torque each. With gates off and the EMF just above the link, a diode conducts for slivers; one that a step
 leaps over is worth up to 2e-5.
 
 | motor | mode | PWM period | default: worst | rms | fast: worst | rms | diode and other state events |

@@ -13,7 +13,7 @@
 
 namespace virtdrive {
 
-enum class PlantMode { kAveraged, kSwitched, kSixStep, kRectifying, kShorted };
+enum class PlantMode { kAveraged, kSwitched, kSixStep, kRectifying, kShorted, kOwnEffects };
 
 struct PlantCase {
   PlantCase(std::string_view motor_name, PlantMode of, SimDuration pwm_period)
@@ -29,11 +29,17 @@ struct PlantCase {
     if (mode == PlantMode::kSixStep) {
       parameters.effects.emf = EmfShape::trapezoid(2 * std::numbers::pi / 3);
     }
+    if (mode == PlantMode::kOwnEffects) {
+      parameters.effects = m.effects;
+      if (m.kind == MachineKind::kPmsm && !m.effects.saturation) add_effects();
+    }
     load.inertia_kgm2 = 5 * m.mechanics.inertia_kgm2;
     // Line EMF at the start, of the link voltage.
     const double share = mode == PlantMode::kRectifying ? 1.5 : 0.4;
     start_speed_radps =
-        share * volts / (std::numbers::sqrt3 * m.electrical.pole_pairs * m.electrical.flux_wb);
+        m.electrical.flux_wb > 0
+            ? share * volts / (std::numbers::sqrt3 * m.electrical.pole_pairs * m.electrical.flux_wb)
+            : share * m.rating.speed_rpm * std::numbers::pi / 30;
   }
 
   std::string motor;
@@ -56,6 +62,8 @@ struct PlantCase {
         return "gates off, EMF above the link";
       case PlantMode::kShorted:
         return "short brake";
+      case PlantMode::kOwnEffects:
+        return own_effects_name();
     }
     return "";
   }
@@ -112,6 +120,29 @@ struct PlantCase {
   }
 
  private:
+  /// What no motor of the library has a source for: a tenth of a fifth harmonic, cogging and iron
+  /// loss of a twentieth of the rated torque each.
+  void add_effects() {
+    const PmsmParameters& m = parameters.motor;
+    const double part_nm = 0.05 * torque_nm(m, {0, m.rated_current_a});
+    std::vector<double> cogging;
+    constexpr int kSamples = 720, kPeriods = 24;
+    for (int i = 0; i < kSamples; ++i) {
+      cogging.push_back(part_nm * std::sin(2 * std::numbers::pi * kPeriods * i / kSamples));
+    }
+    parameters.effects.emf = EmfShape::harmonics({{1, 1}, {5, 0.1}});
+    parameters.effects.cogging_nm = PeriodicTable(std::move(cogging), Interpolation::kCubic);
+    parameters.effects.iron_hysteresis_w = part_nm / (m.pole_pairs * m.flux_wb * m.flux_wb);
+  }
+  std::string own_effects_name() const {
+    const MachineEffects& e = parameters.effects;
+    std::string name = "averaged, current steps";
+    if (e.saturation) name += ", saturation";
+    if (e.thermal.winding_housing_k_per_w > 0) name += ", warming up";
+    if (e.emf.table.interpolation() == Interpolation::kLinear) name += ", trapezoidal EMF";
+    if (!e.cogging_nm.empty()) name += ", 5th harmonic, cogging, iron loss";
+    return name;
+  }
   BridgeCommand six_step(double electrical_rad) const {
     constexpr std::size_t kPlus[] = {0, 0, 1, 1, 2, 2}, kMinus[] = {1, 2, 2, 0, 0, 1};
     const int sixth = static_cast<int>(
@@ -137,6 +168,11 @@ inline std::vector<PlantCase> plant_cases() {
                                  PlantMode::kRectifying, PlantMode::kShorted}) {
       cases.emplace_back(motor, mode, period);
     }
+  }
+  for (const auto& [motor, period] : {std::pair<const char*, SimDuration>{"syrm-7kw", 125us},
+                                      {"ec45-flat-24v", 50us},
+                                      {"db42s03", 80us}}) {
+    cases.emplace_back(motor, PlantMode::kOwnEffects, period);
   }
   return cases;
 }

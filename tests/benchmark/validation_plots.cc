@@ -112,7 +112,7 @@ std::string golden_run() {
   Chart chart("V3: a 2.2-kW IPMSM against motulator", kWidth);
   const Scale time = scale(0, 1.2, 6, "s");
   const double half = kWidth / 2;
-  const Plot left = plot(time, scale(-1, 7, 6, "A"), 84, half - 84 - 24);
+  const Plot left = plot(time, scale(0, 10, 5, "A"), 84, half - 84 - 24);
   const Plot right = plot(time, scale(0, 160, 6, "rad/s"), half + 84, half - 84 - 24);
   chart.heading(left, "V3: q current, load step at 0.8 s");
   chart.keys(left, {{"blue", "ours"}, {"orange dots", "motulator at rtol 1e-10"}});

@@ -32,6 +32,8 @@ double bound(PlantMode mode) {
       return 5e-5;  // what a sliver of conduction is worth that a step leaps over
     case PlantMode::kShorted:
       return 5e-6;
+    case PlantMode::kOwnEffects:
+      return 5e-4;  // the corners of a trapezoid, which bound no step of the default integrator here
   }
   return 0;
 }
