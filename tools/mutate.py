@@ -43,7 +43,7 @@ MUTATIONS = {
     "diodes that never turn off": ("plant/half_bridges.cc", FAST, [
         (" + kZeroCurrentA > 0) continue;", " > -1e9) continue;")]),
     "long steps over slivers of conduction": ("plant/axis_model.cc", DIODES, [
-        ("return kOfShapes * peak_v > bus_v ? 0.01 : 0.1;", "return peak_v > 1e9 ? 0.01 : 2;")]),
+        ("return kOfShapes * peak_v > bus_v ? 0.01 : 0.1;", "return kOfShapes * peak_v > bus_v ? 2 : 0.1;")]),
     "corners of the EMF within a step": ("plant/axis_model.cc", DIODES, [
         ("return ahead * distance / std::fabs(speed);",
          "return 1e9 * ahead * distance / std::fabs(speed);")]),
