@@ -33,7 +33,8 @@ double bound(PlantMode mode) {
     case PlantMode::kShorted:
       return 5e-6;
     case PlantMode::kOwnEffects:
-      return 5e-4;  // the corners of a trapezoid, which bound no step of the default integrator here
+      return 5e-4;  // the corners of a trapezoid, which bound no step of the default integrator
+                    // here
   }
   return 0;
 }
