@@ -36,6 +36,8 @@ inline constexpr std::uint8_t kAllControllers = 254;
 /// What has to stand before the value in a write of the rows in kChecked (2.4).
 inline constexpr std::uint8_t kWriteCheck = 0xAA;
 inline constexpr std::uint8_t kDefaultCheck = 0x55;
+/// A CAN frame holds a PID and up to so many bytes of its data (2.3).
+inline constexpr std::size_t kMostCanData = 7;
 
 // --- Fields --------------------------------------------------------------------------------------
 
@@ -175,8 +177,12 @@ inline constexpr Field kFunctionPosition[] = {
     {.name = "speed", .type = WireType::kI16, .unit = "rpm"},
     {.name = "increment", .type = WireType::kI16, .unit = "counts"}};
 inline constexpr Field kFirstWord[] = {{.name = "value", .type = WireType::kU16}};
-inline constexpr Field kCanFrame[] = {{.name = "can_id", .type = WireType::kU32},
-                                      {.name = "data", .count = 8}};
+inline constexpr Field kCanFrame[] = {
+    {.name = "can_id", .type = WireType::kU32}, {.name = "data1", .optional = true},
+    {.name = "data2", .optional = true},        {.name = "data3", .optional = true},
+    {.name = "data4", .optional = true},        {.name = "data5", .optional = true},
+    {.name = "data6", .optional = true},        {.name = "data7", .optional = true},
+    {.name = "data8", .optional = true}};
 
 // --- Commands (2.4) ------------------------------------------------------------------------------
 
@@ -288,10 +294,10 @@ inline constexpr CommandRow kCommandNumbers[] = {
      .doc = "SLOW_START (153) to 0."},
     {.code = 22, .name = "CMD_SLOW_DOWN_OFF", .replies = false, .source = "p. 7",
      .doc = "SLOW_DOWN (154) to 0."},
-    {.code = 23, .name = "CMD_CAN_RESEND_ON", .replies = false, .support = Support::kRejected, .source = "p. 7",
-     .doc = "There is no CAN port yet."},
-    {.code = 24, .name = "CMD_CAN_RESEND_OFF", .replies = false, .support = Support::kRejected, .source = "p. 7",
-     .doc = "There is no CAN port yet."},
+    {.code = 23, .name = "CMD_CAN_RESEND_ON", .replies = false, .source = "p. 7",
+     .doc = "What is heard on CAN goes out on RS-485 as PID 238, to this host (models with CAN)."},
+    {.code = 24, .name = "CMD_CAN_RESEND_OFF", .replies = false, .source = "p. 7",
+     .doc = "No more."},
     {.code = 25, .name = "CMD_MAX_LOAD_OFF", .replies = false, .source = "p. 7",
      .doc = "MAX_LOAD (211) to the model's."},
     {.code = 26, .name = "CMD_ENC_PPR_OFF", .replies = false, .source = "p. 7",
@@ -418,8 +424,8 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "Own ID, at once. Written behind 0xAA."},
     {.id = 135, .name = "PID_BAUDRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {2}, .source = "p. 12",
      .doc = "9600, 19200, 38400, 57600, 115200; from the next power-up on. Written behind 0xAA."},
-    {.id = 137, .name = "PID_ECAN_BITRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {1}, .support = Support::kStored, .source = "p. 12",
-     .doc = "There is no CAN port yet. Written behind 0xAA."},
+    {.id = 137, .name = "PID_ECAN_BITRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {1}, .source = "p. 12",
+     .doc = "50, 100, 250, 500 kbit/s, 1 Mbit/s; from the next power-up on. Stored on models without CAN. Written behind 0xAA."},
     {.id = 138, .name = "PID_INT_RPM_DATA", .type = WireType::kI16, .access = Access::kReadOnly, .range = kAnyI16, .unit = "rpm", .source = "p. 12",
      .doc = "Speed of motor 1."},
     {.id = 139, .name = "PID_TQ_DATA", .type = WireType::kU16, .access = Access::kReadOnly, .range = {0, 32767}, .unit = "A", .scale = 0.1, .source = "p. 12",
@@ -535,7 +541,7 @@ inline constexpr ParameterRow kParameters[] = {
     {.id = 235, .name = "PID_TQ_GAIN", .fields = kTorqueGains, .evidence = Evidence::kObserved, .source = "later",
      .doc = "PIDs 170 and 177 in one."},
     {.id = 238, .name = "PID_CAN_RESEND", .access = Access::kReadOnly, .fields = kCanFrame, .support = Support::kRejected, .source = "p. 27",
-     .doc = "There is no CAN port yet."},
+     .doc = "A frame that was heard on CAN; sent by CMD 23 (p. 7), never asked for: a request for it is not answered."},
     {.id = 239, .name = "PID_FUNC_SPEED", .fields = kFunctionSpeed, .source = "p. 27",
      .doc = "Speed and run time of functions SPEED, MOMENTARY and ADD."},
     {.id = 241, .name = "PID_PNT_IO_MONITOR", .access = Access::kReadOnly, .fields = kPntIoMonitor, .evidence = Evidence::kObserved, .source = "later",

@@ -92,6 +92,12 @@ constexpr int baud(std::int32_t code) {
   return kBauds[code - 1];
 }
 
+/// bit/s of PID 137's codes 1..5 (p. 12).
+constexpr int kCanBitRates[] = {50'000, 100'000, 250'000, 500'000, 1'000'000};
+constexpr int can_bit_rate(std::int32_t code) {
+  return kCanBitRates[code - 1];
+}
+
 /// The speed of step 1..7 in rpm.
 constexpr std::int32_t step_rpm(const Settings& settings, std::size_t number) {
   const std::int32_t set = settings.steps[number - 1];

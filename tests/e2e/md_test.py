@@ -1,5 +1,9 @@
 """The MD controllers over real pseudo-terminals, asked by a host written from their document."""
 
+import importlib.util
+import os
+import shutil
+import subprocess
 import time
 import unittest
 
@@ -58,6 +62,83 @@ class SingleController(DriveTest):
         self.bench_.stop()
         host = self.start("md100", "--nvm", memory, baud=57600)
         self.assertEqual(host.request(md.VERSION), bytes([44]))
+
+
+@unittest.skipUnless(importlib.util.find_spec("can"), "python3-can is not installed")
+class CanBus(DriveTest):
+    """A host on CAN, by python-can's own slcan interface."""
+
+    def open_bus(self, bitrate=50_000):
+        import can
+
+        self.bench_ = self.bench("--can-link", self.path("can"), drive="md400t")
+        bus = can.Bus(self.path("can"), bustype="slcan", bitrate=bitrate, sleep_after_open=0)
+        self.addCleanup(bus.shutdown)
+        return bus
+
+    def send(self, bus, pid, data=b"", device=1):
+        import can
+
+        identifier = md.CONTROLLER << 16 | md.HOST << 8 | device
+        bus.send(can.Message(arbitration_id=identifier, data=[pid, *data], is_extended_id=True))
+
+    def receive(self, bus):
+        frame = bus.recv(10)
+        self.assertIsNotNone(frame, "no answer on CAN")
+        self.assertTrue(frame.is_extended_id)
+        self.assertEqual(frame.arbitration_id, md.HOST << 16 | md.CONTROLLER << 8 | 1)
+        return frame.data[0], bytes(frame.data[1:])
+
+    def request(self, bus, pid):
+        self.send(bus, md.REQ_PID_DATA, [pid])
+        got, data = self.receive(bus)
+        self.assertEqual(got, pid)
+        return data
+
+    def test_a_motor_is_driven_and_read_back(self):
+        bus = self.open_bus()
+        self.assertEqual(self.request(bus, md.VERSION), bytes([44]))
+        self.send(bus, md.VEL_CMD, md.Int2Byte(600))
+        speed = lambda: md.Byte2Int(*self.request(bus, md.INT_RPM_DATA))
+        self.wait_for("the speed", lambda: abs(speed() - 600) < 10)
+        self.send(bus, md.TQ_OFF, [0])
+        self.wait_for("standstill", lambda: speed() == 0)
+        self.assertEqual(bus.get_version(5), (10, 13))
+
+    def test_a_bus_at_another_bit_rate_is_silent(self):
+        bus = self.open_bus(bitrate=125_000)
+        self.send(bus, md.REQ_PID_DATA, [md.VERSION])
+        self.assertIsNone(bus.recv(0.3))
+
+    def test_rs485_hears_what_passes_on_can(self):
+        bus = self.open_bus()
+        with md.Host(self.bench_.link) as rs485:
+            rs485.send(md.COMMAND, [23])
+            self.assertEqual(rs485.request(md.VERSION), bytes([44]))
+            self.send(bus, md.REQ_PID_DATA, [md.VERSION], device=9)
+            pid, data = rs485.receive()
+            self.assertEqual((pid, data), (238, bytes([9, 0xAC, 0xB7, 0, md.REQ_PID_DATA, 1])))
+
+    @unittest.skipUnless(os.path.isdir("/sys/module/slcan"), "this kernel has no SLCAN")
+    @unittest.skipUnless(shutil.which("slcand") and os.geteuid() == 0, "slcand needs root")
+    def test_the_kernel_attaches_with_slcand(self):
+        self.bench_ = self.bench("--can-link", self.path("can"), drive="md400t")
+        interface = f"vd{os.getpid() % 10000}"
+        attached = subprocess.Popen(["slcand", "-F", "-o", "-c", "-s2", self.path("can"), interface])
+        self.processes.append(attached)
+        self.addCleanup(attached.wait)
+        self.addCleanup(attached.terminate)
+        self.wait_for("the interface", lambda: os.path.isdir(f"/sys/class/net/{interface}"))
+
+
+class Ttl(DriveTest):
+    def test_the_second_port_is_a_terminal_of_its_own(self):
+        second = self.path("ttl")
+        host = self.start("md400", "--link2", second)
+        with md.Host(second, baud=9600) as ttl:
+            ttl.send(md.VEL_CMD, md.Int2Byte(300))
+            self.wait_for("the speed", lambda: abs(host.main_data().rpm - 300) < 10)
+            self.assertAlmostEqual(ttl.main_data().rpm, 300, delta=15)
 
 
 class TwoWheels(DriveTest):
