@@ -74,8 +74,8 @@ class MdDrive final : public Drive, private CanReceiver {
     Board(const DriveContext& context, std::span<Axis* const> axes, const md::Model& model,
           Profile profile)
         : table(model, profile),
-          controller(context.loop, axes, model, stored_settings(model, context.memory),
-                     context.seed),
+          controller(context.loop, axes, model,
+                     stored_settings(model, context.memory, context.notes), context.seed),
           device(context.loop, *context.ports[0], controller, table, context.memory,
                  {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency},
                  context.listener, context.notes) {

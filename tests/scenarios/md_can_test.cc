@@ -1,11 +1,13 @@
 // MD controllers on a CAN bus behind an SLCAN adapter, and at their TTL port.
 #include <gtest/gtest.h>
 
+#include "core/yaml_reader.h"
 #include "devices/md485/can_codec.h"
 #include "devices/md485/client.h"
 #include "devices/slcan/codec.h"
 #include "scenarios/bench.h"
 #include "scenarios/line_transport.h"
+#include "scenarios/scenario/bench_reader.h"
 
 namespace virtdrive {
 namespace {
@@ -144,6 +146,30 @@ TEST(MdCan, APortThatIsNotThereOrNotOfThatKindIsRefused) {
                       .lines = {{.name = "rs485"}, {.name = "can"}}})
                 .find("port rs485 cannot be on 'can'"),
             std::string::npos);
+}
+
+TEST(MdCan, AScenariosBenchNamesTheLinesOfFurtherPorts) {
+  const auto read = [](std::string_view text) {
+    return read_bench(YamlFile("a.yaml", text).root());
+  };
+  const BenchOptions options = read(
+      "lines: [{name: rs485}, {name: bus}, {name: ttl}]\n"
+      "drive: md1k\n"
+      "ports: {can: bus, ttl232: ttl}\n");
+  EXPECT_EQ(options.drives[0].other_lines, (std::vector<std::string>{"ttl", "bus"}));
+  Bench bench(options);
+  EXPECT_EQ(bench.protocol_of("bus"), "slcan");
+  EXPECT_EQ(bench.protocol_of("ttl"), "md485");
+  const auto error_of = [&](std::string_view text) -> std::string {
+    try {
+      read(text);
+    } catch (const SetupError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(error_of("drive: md200\nports: {can: line}\n").find("further port"), std::string::npos);
+  EXPECT_NE(error_of("drive: md1k\nports: {can: bux}\n").find("'bux'"), std::string::npos);
 }
 
 TEST(MdTtl, TheSecondPortTalksAt9600BaudWhateverTheOthersDoes) {
