@@ -261,7 +261,7 @@ TEST(MdControl, WhileItBrakesTheResistorsDutyIsTold) {
 // 4 x 1000 counts a turn; Hall edges give 30. The sign of positions is the other one.
 TEST(MdControl, AnEncoderMayGiveThePositionToo) {
   Rig rig;
-  rig.controller->stage(0).set_encoder_lines(1000);
+  rig.controller->stage(0).set_sensors({.encoder = {.lines = 1000}});
   rig.change(&Settings::enc_ppr, 1000);
   rig.change(&Settings::use_eposi, 1);
   rig.order().speed(300);
@@ -281,7 +281,7 @@ TEST(MdControl, AnEncoderMayGiveThePositionToo) {
 
 TEST(MdControl, AnEncoderKeepsASpeedThatHallEdgesAreTooRareFor) {
   Rig rig;
-  rig.controller->stage(0).set_encoder_lines(2500);
+  rig.controller->stage(0).set_sensors({.encoder = {.lines = 2500}});
   rig.change(&Settings::enc_ppr, 2500);
   rig.order().speed(-20);
   rig.run_for(2s);

@@ -122,7 +122,11 @@ TEST_F(TimingDiagram, AnAlarmAFreeAndABrakeEndIt) {
     EXPECT_EQ(rig_->motor().reference_rpm(), 600);
     if (how == 0) rig_->controller->free(0);
     if (how == 1) rig_->controller->brake(0);
-    if (how == 2) rig_->controller->stage(0).set_hall_fault(std::uint8_t{7});
+    if (how == 2) {
+      StageSensors broken;
+      broken.hall.output.fill(HallSensors::Output::kStuckHigh);
+      rig_->controller->stage(0).set_sensors(broken);
+    }
     rig_->run_for(50ms);
     EXPECT_EQ(rig_->motor().reference_rpm(), 0) << how;
     EXPECT_EQ(rig_->motor().type(), ControlType::kOff) << how;
