@@ -375,18 +375,19 @@ std::vector<DriveKind> md_kinds() {
   std::vector<DriveKind> kinds;
   for (const auto& table : tables) {
     const md::Model& model = table->model();
-    kinds.push_back({.name = model.name,
-                     .default_motor = model.motor,
-                     .ports = ports_of(model),
-                     .channels = model.motors,
-                     .default_channel = 0,
-                     .table = table->table(),
-                     .protocol = &kTable,
-                     .make = [&model](const DriveContext& context) -> std::unique_ptr<Drive> {
-                       return std::make_unique<MdDrive>(context, model);
-                     },
-                     .make_host = make_md_host,
-                     .make_dialect = [&made = *table] { return std::make_unique<WalkDialect>(made); }});
+    kinds.push_back(
+        {.name = model.name,
+         .default_motor = model.motor,
+         .ports = ports_of(model),
+         .channels = model.motors,
+         .default_channel = 0,
+         .table = table->table(),
+         .protocol = &kTable,
+         .make = [&model](const DriveContext& context) -> std::unique_ptr<Drive> {
+           return std::make_unique<MdDrive>(context, model);
+         },
+         .make_host = make_md_host,
+         .make_dialect = [&made = *table] { return std::make_unique<WalkDialect>(made); }});
   }
   return kinds;
 }
