@@ -12,6 +12,7 @@
 #include "devices/md485/table.h"
 #include "devices/rzt1/framer.h"
 #include "devices/rzt1/table.h"
+#include "devices/slcan/framer.h"
 #include "devices/toshiba_mcu/framer.h"
 #include "devices/toshiba_mcu/table.h"
 
@@ -42,6 +43,7 @@ constexpr Entry kFramers[] = {{toshiba_mcu::kTable.name, toshiba_mcu::make_frame
                               {rzt1::kTable.name, rzt1::make_framer},
                               {asd7::kTable.name, asd7::make_framer},
                               {asd7_modbus::kTable.name, asd7_modbus::make_framer},
+                              {slcan::kName, slcan::make_framer},
                               {kNoProtocol, make_byte_framer}};
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include "core/check.h"
 #include "core/names.h"
+#include "devices/framers.h"
+#include "devices/slcan/framer.h"
 #include "scenarios/line_signals.h"
 #include "scenarios/line_transport.h"
 #include "scenarios/plant_signals.h"
@@ -53,7 +55,10 @@ Bench::Bench(const BenchOptions& options) : seed_(options.seed) {
   for (const auto& supply : supplies_) {
     register_supply(registry_, loop_, supply->name, supply->bus);
   }
-  for (const auto& line : lines_) register_line(registry_, line->name, line->line);
+  for (const auto& line : lines_) {
+    register_line(registry_, line->name, line->line);
+    if (line->can) register_can(registry_, line->name, line->can->bus);
+  }
 }
 
 void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
@@ -67,9 +72,18 @@ void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
         "line '{}': a host hears itself on a half-duplex line only, and this one is full duplex",
         spec.name));
   }
+  // A CAN adapter hangs on USB, where characters take no time and baud rates do not count.
+  const LineSettings settings{.timing = port.can ? LineTiming::kIdeal : spec.timing,
+                              .baud = spec.baud.value_or(port.baud),
+                              .parity = port.parity};
   lines_.push_back(std::make_unique<NamedLine>(
-      loop_, spec.name, LineSettings{.timing = spec.timing, .baud = spec.baud.value_or(port.baud), .parity = port.parity},
+      loop_, spec.name, settings,
       LineOptions{.duplex = duplex, .echo = spec.echo, .chance = seed_.stream(spec.name)}));
+  if (!port.can) return;
+  NamedLine& line = *lines_.back();
+  CanSide& can = line.can.emplace(loop_, line.line);
+  line.line.device(0).attach(can.adapter);
+  can.node.attach(can.adapter);
 }
 
 void Bench::add_supply(const SupplySpec& spec, Integrator integrator) {
@@ -105,6 +119,7 @@ void Bench::add_drive(const DriveSpec& spec, const BenchOptions& options) {
   drives_.push_back(
       std::make_unique<BenchDrive>(spec, BenchDrive::Surroundings{.loop = loop_,
                                                                   .lines = lines_of(spec, options),
+                                                                  .can = can_of(spec, options),
                                                                   .supply = supply_of(spec),
                                                                   .seed = seed_,
                                                                   .integrator = options.integrator,
@@ -124,11 +139,29 @@ std::vector<SerialLine*> Bench::lines_of(const DriveSpec& spec, const BenchOptio
   std::vector<SerialLine*> lines;
   for (std::size_t i = 0; i < ports.size(); ++i) {
     const std::string_view name = line_at(spec, i, options.lines);
-    lines.push_back(name.empty() ? nullptr : &line(name));
+    if (name.empty()) {
+      lines.push_back(nullptr);
+      continue;
+    }
+    NamedLine& line = named_line(name);
+    if (line.can.has_value() != ports[i].can) {
+      throw SetupError(fmt::format("its port {} cannot be on '{}', which is {} line", ports[i].name,
+                                   name, line.can ? "a CAN adapter's" : "a serial"));
+    }
+    lines.push_back(ports[i].can ? nullptr : &line.line);
   }
   return lines;
 } catch (const SetupError& error) {
   throw SetupError(fmt::format("drive '{}': {}", spec.name, error.what()));
+}
+
+CanBus* Bench::can_of(const DriveSpec& spec, const BenchOptions& options) {
+  const std::vector<PortKind>& ports = find_drive(spec.kind).ports;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const std::string_view name = line_at(spec, i, options.lines);
+    if (ports[i].can && !name.empty()) return &named_line(name).can->bus;
+  }
+  return nullptr;
 }
 
 BenchDrive& Bench::drive(std::string_view name) {
@@ -136,8 +169,26 @@ BenchDrive& Bench::drive(std::string_view name) {
                [](const BenchDrive& drive) -> auto& { return drive.name(); });
 }
 
+Bench::NamedLine& Bench::named_line(std::string_view name) const {
+  return named(lines_, "line", name, [](const NamedLine& line) -> auto& { return line.name; });
+}
+
 SerialLine& Bench::line(std::string_view name) {
-  return named(lines_, "line", name, [](const NamedLine& line) -> auto& { return line.name; }).line;
+  return named_line(name).line;
+}
+
+std::string_view Bench::protocol_of(std::string_view line) const {
+  const NamedLine& named = named_line(line);
+  if (named.can) return slcan::kName;
+  for (const auto& drive : drives_) {
+    const std::vector<PortKind>& ports = drive->kind().ports;
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+      if (drive->line(i) != &named.line) continue;
+      if (!ports[i].protocol.empty()) return ports[i].protocol;
+      return i == 0 ? drive->kind().table.name : kNoProtocol;
+    }
+  }
+  return kNoProtocol;
 }
 
 std::string_view Bench::line_name(const SerialLine& line) const {

@@ -22,6 +22,8 @@
 #include "core/event_loop.h"
 #include "core/random.h"
 #include "core/signals.h"
+#include "devices/slcan/adapter.h"
+#include "pty/can_bus.h"
 #include "pty/serial_line.h"
 #include "scenarios/bench_drive.h"
 #include "scenarios/host_client.h"
@@ -69,6 +71,8 @@ class Bench {
   SerialLine& line() { return lines_.front()->line; }
   SerialLine& line(std::string_view name);
   std::string_view line_name(const SerialLine& line) const;
+  /// What is spoken on a line, for framers.
+  std::string_view protocol_of(std::string_view line) const;
   const std::vector<std::unique_ptr<BenchDrive>>& drives() const { return drives_; }
 
   /// Every signal, input and fault.
@@ -90,12 +94,21 @@ class Bench {
   std::unique_ptr<HostClient> host(BenchDrive& drive);
 
  private:
+  // A line to a CAN adapter, with the bus behind it.
+  struct CanSide {
+    CanSide(EventLoop& loop, SerialLine& line)
+        : bus(loop), node(bus.add_node()), adapter(loop, line.add_device(), node) {}
+    CanBus bus;
+    CanNode& node;
+    slcan::Adapter adapter;
+  };
   struct NamedLine {
     NamedLine(EventLoop& loop, std::string its_name, const LineSettings& settings,
               LineOptions options)
         : name(std::move(its_name)), line(loop, settings, std::move(options)) {}
     std::string name;
     SerialLine line;
+    std::optional<CanSide> can;
   };
 
   struct NamedSupply {
@@ -108,6 +121,8 @@ class Bench {
   std::optional<DcBus> supply_of(const DriveSpec& spec);
   void add_drive(const DriveSpec& spec, const BenchOptions& options);
   std::vector<SerialLine*> lines_of(const DriveSpec& spec, const BenchOptions& options);
+  CanBus* can_of(const DriveSpec& spec, const BenchOptions& options);
+  NamedLine& named_line(std::string_view name) const;
 
   Seed seed_;
   EventLoop loop_;

@@ -55,6 +55,7 @@ BenchDrive::BenchDrive(const DriveSpec& spec, const Surroundings& bench)
 std::unique_ptr<Drive> BenchDrive::make_drive(const DriveSpec& spec, const Surroundings& bench) {
   return kind_.make({.loop = loop_,
                      .ports = line_ends_,
+                     .can = bench.can != nullptr ? &bench.can->add_node() : nullptr,
                      .seed = seed_,
                      .memory = memory_,
                      .motors = motors_,

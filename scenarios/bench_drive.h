@@ -38,6 +38,7 @@ class BenchDrive {
   struct Surroundings {
     EventLoop& loop;
     std::vector<SerialLine*> lines;  // one a port of the drive; null where none is
+    CanBus* can;                     // null where none is
     std::optional<DcBus> supply;
     const Seed& seed;
     Integrator integrator;
@@ -56,6 +57,8 @@ class BenchDrive {
   std::size_t channels() const { return motors_.size(); }
   /// Of its first port.
   SerialLine& line() { return *lines_.front(); }
+  /// Of any port; null where none is, and at a CAN port.
+  SerialLine* line(std::size_t port) { return lines_[port]; }
   Drive& controller() { return *drive_; }
 
   /// Takes the drive's supply away: its gates are off, its program is gone, what it was sending is

@@ -20,6 +20,7 @@
 #include "devices/wire_log.h"
 #include "plant/axis.h"
 #include "plant/motor_library.h"
+#include "pty/can_bus.h"
 #include "pty/serial_line.h"
 #include "scenarios/host_client.h"
 
@@ -29,6 +30,7 @@ namespace virtdrive {
 struct DriveContext {
   EventLoop& loop;
   std::vector<LineEnd*> ports;  // its transmitters, one a port; null where no line is
+  CanNode* can = nullptr;       // its place on a CAN bus; null where none is
   const Seed& seed;
   NonVolatileMemory& memory;
   std::span<const Motor> motors;  // one a channel
@@ -64,12 +66,16 @@ class Drive {
   virtual WireCounters wire_counters() const = 0;
 };
 
-/// A serial port of a drive, and the line that it is made for.
+/// A port of a drive, and the line that it is made for. At a CAN port the line is that of an SLCAN
+/// adapter on the bus.
 struct PortKind {
   std::string_view name;  // as typed
   int baud;
   Duplex duplex = Duplex::kFull;
   Parity parity = Parity::kNone;
+  bool can = false;
+  std::string_view protocol = {};  // what it speaks; empty: the first port the drive's own, others
+                                   // bytes without frames
 };
 
 /// An entry of the catalogue.

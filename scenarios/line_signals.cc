@@ -67,4 +67,21 @@ void register_line(Registry& registry, const std::string& name, SerialLine& line
   register_line_faults(registry, name + ".to_host", line, LineDirection::kToHost);
 }
 
+void register_can(Registry& registry, const std::string& name, CanBus& bus) {
+  const auto count = [&](std::string_view quantity, std::uint64_t CanCounters::* member,
+                         std::string doc) {
+    registry.add(Signal{fmt::format("{}.{}", name, quantity), "", std::move(doc),
+                        [&bus, member] { return double(bus.counters().*member); }});
+  };
+  count("frames", &CanCounters::frames, "CAN frames that somebody took");
+  count("errors", &CanCounters::errors, "CAN error frames");
+  registry.add(
+      Input{.signal = {name + ".bus_cut", "", "The CAN wires are cut: nobody hears anybody",
+                       [&bus] { return double(bus.cut()); }},
+            .minimum = 0,
+            .maximum = 1,
+            .write = [&bus](double cut) { bus.set_cut(cut > 0); },
+            .fault = true});
+}
+
 }  // namespace virtdrive

@@ -23,12 +23,18 @@ class Client {
   protocol::Values read(const ParameterRow& row, std::uint8_t index);
   /// Not answered: there is nothing to wait for. The check byte, where a row wants one, is added.
   void write(const ParameterRow& row, const protocol::Values& values);
+  /// Writes, and reads back what it holds now: DriveRefused, with the first number that differs, if
+  /// that is not what was written (a controller says nothing itself; numbers out of range go to the
+  /// nearest end). `values` begin with the index where a row has one.
+  void set(const ParameterRow& row, const protocol::Values& values);
   void command(const CommandRow& row, const protocol::Values& values);
 
   /// The next frame of this PID; others are passed over. ClientError if none comes.
   protocol::Values receive(const ParameterRow& row);
 
  private:
+  void follow_id(std::uint8_t id);
+
   HostTransport& transport_;
   Route route_;
   SimDuration patience_;

@@ -48,6 +48,20 @@ std::vector<std::uint8_t> encode_reply(Route route, const ParameterRow& row,
   return encode(route.host, kController, route.id, row.id, protocol::value_fields(row), values);
 }
 
+DataVerdict read_data(protocol::Direction direction, std::span<const std::uint8_t> data,
+                      Frame& frame) {
+  const bool request = direction == protocol::Direction::kRequest;
+  frame.command = request ? protocol::find(kTable.commands, frame.pid) : nullptr;
+  frame.parameter =
+      frame.command != nullptr ? nullptr : protocol::find(kTable.parameters, frame.pid);
+  if (frame.command == nullptr && frame.parameter == nullptr) return DataVerdict::kUnknownPid;
+  const std::vector<Field> fields = fields_of(frame, request, data.size());
+  const auto values = protocol::unpack_some(fields, kTable.framing.order, data);
+  if (!values) return DataVerdict::kTooShort;
+  frame.values = *values;
+  return DataVerdict::kGood;
+}
+
 void Decoder::reset() {
   buffer_.clear();
   ended_ = 0;
@@ -102,17 +116,15 @@ Decoder::Event Decoder::read(std::span<const std::uint8_t> bytes) {
   const bool request = direction_ == protocol::Direction::kRequest;
   if (request && bytes[0] != kController) return Event::kNoise;
   if (request) hosts_.set(bytes[1]);
-  const std::uint8_t pid = bytes[3];
-  frame_ = {.route = {.host = bytes[request ? 1 : 0], .id = bytes[2]}, .pid = pid};
-  frame_.command = request ? protocol::find(kTable.commands, pid) : nullptr;
-  frame_.parameter = frame_.command != nullptr ? nullptr : protocol::find(kTable.parameters, pid);
-  if (frame_.command == nullptr && frame_.parameter == nullptr) return Event::kUnknownPid;
-
-  const auto data = bytes.subspan(kHeader, bytes[kTable.framing.length_at]);
-  const std::vector<Field> value = fields_of(frame_, request, data.size());
-  const auto values = protocol::unpack_some(value, kTable.framing.order, data);
-  if (!values) return Event::kTooShort;
-  frame_.values = *values;
+  frame_ = {.route = {.host = bytes[request ? 1 : 0], .id = bytes[2]}, .pid = bytes[3]};
+  switch (read_data(direction_, bytes.subspan(kHeader, bytes[kTable.framing.length_at]), frame_)) {
+    case DataVerdict::kUnknownPid:
+      return Event::kUnknownPid;
+    case DataVerdict::kTooShort:
+      return Event::kTooShort;
+    case DataVerdict::kGood:
+      break;
+  }
   return Event::kFrame;
 }
 

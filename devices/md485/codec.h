@@ -38,6 +38,12 @@ std::vector<std::uint8_t> encode_request(Route route, const ParameterRow& row,
 std::vector<std::uint8_t> encode_reply(Route route, const ParameterRow& row,
                                        const protocol::Values& values);
 
+/// What a frame's data bytes are read as.
+enum class DataVerdict : std::uint8_t { kGood, kUnknownPid, kTooShort };
+/// Fills `frame`, whose route and PID are set, from its data bytes.
+DataVerdict read_data(protocol::Direction direction, std::span<const std::uint8_t> data,
+                      Frame& frame);
+
 /// A receiver that trusts NUM until the sum says otherwise, then looks for a frame from the next
 /// byte on. One byte, or the end of a false frame, can so bring several frames:
 ///

@@ -17,8 +17,8 @@ using S = md::Settings;
 
 constexpr SimDuration kWriteTime = 5ms;     // of the flash (assumed)
 constexpr SimDuration kDefaultTime = 50ms;  // of PID 3 (assumed)
-/// The line is taken to be free for a broadcast after so long without a byte.
-constexpr SimDuration kFreeLine = 3ms;
+/// What nobody asked for tries again after so long where it found the line taken.
+constexpr SimDuration kTryAgain = 1ms;
 
 constexpr std::uint8_t kMonitorPid = 196, kIoMonitorPid = 194, kAckPid = 7;
 constexpr std::uint8_t kPntMonitorPid = 216, kPntMainDataPid = 210;
@@ -64,6 +64,8 @@ constexpr auto kNumbers = std::to_array<Binding<Device::NumberHandler>>({
     {20, &Device::clear<&S::tar_vel>},
     {21, &Device::clear<&S::slow_start>},
     {22, &Device::clear<&S::slow_down>},
+    {23, &Device::resend_can<true>},
+    {24, &Device::resend_can<false>},
     {25, &Device::to_default<&S::max_load>},
     {26, &Device::to_default<&S::enc_ppr>},
     {27, &Device::clear<&S::low_speed_limit>},
@@ -111,62 +113,40 @@ Device::Device(EventLoop& loop, SerialPort& port, md::Controller& controller,
                const ModelTable& table, NonVolatileMemory& memory, DeviceOptions options,
                WireListener listener, NoteListener notes)
     : loop_(loop),
-      port_(port),
       controller_(controller),
       table_(table),
       parameters_(controller, table, memory),
       options_(options),
       log_(loop, std::move(listener), std::move(notes)),
-      silence_(loop.add(Phase::kDevice,
-                        [this] {
-                          for (auto e = decoder_.expire(); e != Decoder::Event::kNone;
-                               e = decoder_.expire()) {
-                            handle(e);
-                          }
-                        })),
+      rs485_(loop, port, log_, taker()),
       work_(loop.add(Phase::kDevice, [this] { work(); })),
       broadcast_(loop.add(Phase::kDevice, [this] { broadcast_due(); })) {}
 
 // --- Listening -----------------------------------------------------------------------------------
 
-void Device::receive(std::uint8_t byte) {
-  heard_ = loop_.now();
-  for (auto e = decoder_.push(byte); e != Decoder::Event::kNone; e = decoder_.next()) handle(e);
-  if (decoder_.idle())
-    silence_.cancel();
-  else
-    silence_.at(loop_.now() + kTable.framing.silence);
+Port::Taker Device::taker() {
+  return [this](Port& from, const Frame& frame, auto bytes) { take(from, frame, bytes); };
 }
 
-void Device::handle(Decoder::Event event) {
-  switch (event) {
-    case Decoder::Event::kNone:
-    case Decoder::Event::kNoise:
-      break;
-    case Decoder::Event::kFrame:
-      take(decoder_.frame());
-      break;
-    case Decoder::Event::kUnknownPid:
-      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "unknown PID, no answer");
-      break;
-    case Decoder::Event::kTooShort:
-      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "too few data, no answer");
-      break;
-    case Decoder::Event::kBadSum:
-      log_.tell(WireEvent::Kind::kBadFrame, decoder_.bytes(), "wrong checksum, no answer");
-      break;
-  }
+SerialReceiver& Device::add_serial(SerialPort& port) {
+  return *other_uarts_.emplace_back(std::make_unique<UartPort>(loop_, port, log_, taker()));
 }
 
-void Device::take(const Frame& frame) {
+CanReceiver& Device::add_can(CanPort& port) {
+  can_ = std::make_unique<CanBusPort>(loop_, port, log_, taker(),
+                                      [this](const CanFrame& frame) { hear_on_can(frame); });
+  return *can_;
+}
+
+void Device::take(Port& from, const Frame& frame, std::span<const std::uint8_t> bytes) {
   if (frame.route.id != id() && frame.route.id != kAllControllers) return;
   if (queue_.size() >= kMostQueued) {
-    log_.tell(WireEvent::Kind::kLost, decoder_.bytes(), "too many frames are waiting");
+    log_.tell(WireEvent::Kind::kLost, bytes, "too many frames are waiting");
     return;
   }
-  log_.tell(WireEvent::Kind::kRequest, decoder_.bytes(),
+  log_.tell(WireEvent::Kind::kRequest, bytes,
             log_.has_listener() ? describe(frame) : std::string());
-  queue_.push_back(frame);
+  queue_.push_back({frame, &from});
   if (work_.due() == kNever) work_.at(loop_.now());
 }
 
@@ -182,7 +162,7 @@ void Device::work() {
     current_ = queue_.front();
     queue_.pop_front();
     takes_ = {};
-    act(current_);
+    act(current_.frame);
     if (reply_) takes_ += options_.latency;
     if (takes_ > SimDuration{} || reply_) {
       work_.at(loop_.now() + takes_);
@@ -202,23 +182,26 @@ void Device::act(const Frame& frame) {
   }
   if (!parameters_.write(frame.pid, frame.values)) return;
   takes_ = kWriteTime;
-  log_.note_use(frame.parameter->name, frame.parameter->support);
+  log_.note_use(frame.parameter->name, table_.parameter(frame.pid)->support);
   answer_by_return_type();
 }
 
 void Device::answer(std::uint8_t pid, std::uint8_t index) {
-  reply_ = Reply{.route = {.host = current_.route.host, .id = id()}, .pid = pid, .index = index};
+  reply_ = Reply{.route = {.host = current_.frame.route.host, .id = id()},
+                 .pid = pid,
+                 .index = index,
+                 .port = current_.from};
 }
 
 void Device::answer_by_return_type() {
   constexpr std::array<std::uint8_t, 4> kPids = {0, kMonitorPid, kAckPid, kIoMonitorPid};
   const std::uint8_t pid = kPids[static_cast<std::size_t>(controller_.settings().return_type)];
-  if (pid != 0 && current_.route.id != kAllControllers) answer(pid, current_.pid);
+  if (pid != 0 && current_.frame.route.id != kAllControllers) answer(pid, current_.frame.pid);
 }
 
 // Two single controllers that were addressed together would answer together: they do not.
 void Device::return_pnt(std::int64_t type) {
-  if (!is_dual() && current_.route.id == kAllControllers) return;
+  if (!is_dual() && current_.frame.route.id == kAllControllers) return;
   if (type == 1) answer(kPntMonitorPid);
   if (type == 2) answer(kPntMainDataPid);
 }
@@ -233,31 +216,23 @@ void Device::send(const Reply& reply) {
     if (!queue_.empty()) work_.at(loop_.now());
     return;
   }
-  const auto bytes = encode_reply(reply.route, *row, *values);
-  log_.tell(WireEvent::Kind::kReply, bytes,
-            log_.has_listener()
-                ? fmt::format("{} {}", row->name, describe(protocol::value_fields(*row), *values))
-                : std::string());
-  work_.at(port_.send(bytes));
+  work_.at(reply.port->send(reply.route, *row, *values));
 }
 
 // --- Broadcasts ----------------------------------------------------------------------------------
 
 void Device::set_broadcast(std::uint8_t pid, bool on) {
   const auto it = std::ranges::find(broadcasts_, pid, &Broadcast::pid);
-  if (!on) {
-    it->host.reset();
-  } else if (!it->host) {
-    it->due = loop_.now() + options_.broadcast_period;
-  }
-  if (on) it->host = current_.route.host;
+  if (on && it->port == nullptr) it->due = loop_.now() + options_.broadcast_period;
+  it->port = on ? current_.from : nullptr;
+  it->host = current_.frame.route.host;
   schedule_broadcasts();
 }
 
 void Device::schedule_broadcasts() {
-  SimTime next = kNever;
+  SimTime next = heard_on_can_.empty() ? kNever : loop_.now();
   for (const Broadcast& b : broadcasts_) {
-    if (b.host) next = std::min(next, b.due);
+    if (b.port != nullptr) next = std::min(next, b.due);
   }
   if (next == kNever)
     broadcast_.cancel();
@@ -266,18 +241,41 @@ void Device::schedule_broadcasts() {
 }
 
 void Device::broadcast_due() {
-  const bool line_in_use =
-      !decoder_.idle() || work_.due() != kNever || loop_.now() - heard_ < kFreeLine;
-  if (line_in_use) {
-    broadcast_.at(loop_.now() + 1ms);
+  if (work_.due() != kNever) {  // an answer goes first
+    broadcast_.at(loop_.now() + kTryAgain);
     return;
   }
+  bool busy = false;
   for (Broadcast& b : broadcasts_) {
-    if (!b.host || b.due > loop_.now()) continue;
+    if (b.port == nullptr || b.due > loop_.now()) continue;
+    if (!b.port->is_free()) {
+      busy = true;
+      continue;
+    }
     b.due = std::max(b.due + options_.broadcast_period, loop_.now());
-    send({.route = {.host = *b.host, .id = id()}, .pid = b.pid});
+    send({.route = {.host = b.host, .id = id()}, .pid = b.pid, .port = b.port});
   }
+  resend();
   schedule_broadcasts();
+  if (busy || !heard_on_can_.empty()) broadcast_.at(loop_.now() + kTryAgain);
+}
+
+// --- What is heard on CAN (CMD 23) ---------------------------------------------------------------
+
+void Device::hear_on_can(const CanFrame& frame) {
+  if (!resend_to_ || !frame.extended || frame.bytes().empty()) return;
+  if (heard_on_can_.size() >= kMostHeard) {
+    log_.tell(WireEvent::Kind::kLost, frame.bytes(), "RS-485 is slower than CAN");
+    return;
+  }
+  heard_on_can_.push_back(frame);
+  schedule_broadcasts();
+}
+
+void Device::resend() {
+  if (heard_on_can_.empty() || !rs485_.is_free() || work_.due() != kNever) return;
+  work_.at(rs485_.send_heard({.host = *resend_to_, .id = id()}, heard_on_can_.front()));
+  heard_on_can_.pop_front();
 }
 
 // --- Reports -------------------------------------------------------------------------------------

@@ -2,18 +2,21 @@
 //
 // It is silent by default: a command or a write is answered only as RETURN_TYPE (149) asks for it,
 // a request for something it has not never. It takes frames for its own ID and for 254. A frame
-// acts when the ones before it are done with; the answer leaves 2 ms after the request.
+// acts when the ones before it are done with; the answer leaves 2 ms after the request, where the
+// request came from: RS-485, TTL232 or CAN.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "core/event_loop.h"
 #include "devices/md485/codec.h"
 #include "devices/md485/model_table.h"
 #include "devices/md485/parameters.h"
+#include "devices/md485/port.h"
 #include "devices/serial_port.h"
 #include "devices/wire_log.h"
 #include "firmware_models/md/controller.h"
@@ -34,7 +37,11 @@ class Device final : public SerialReceiver {
          NonVolatileMemory& memory, DeviceOptions options, WireListener listener = nullptr,
          NoteListener notes = nullptr);
 
-  void receive(std::uint8_t byte) override;
+  /// At RS-485.
+  void receive(std::uint8_t byte) override { rs485_.receive(byte); }
+  /// Its receiver at another serial port, or on a CAN bus; both live as long as the device.
+  SerialReceiver& add_serial(SerialPort& port);
+  CanReceiver& add_can(CanPort& port);
   const WireCounters& counters() const { return log_.counters(); }
   Parameters& parameters() { return parameters_; }
   std::uint8_t id() const { return static_cast<std::uint8_t>(controller_.settings().id); }
@@ -112,26 +119,40 @@ class Device final : public SerialReceiver {
   void reset_alarms_now() { controller_.reset_alarms(); }
   void reset_positions_now();
   void clear_curve();
+  template <bool kOn>
+  void resend_can() {
+    resend_to_ = kOn ? std::optional(current_.frame.route.host) : std::nullopt;
+    if (!kOn) heard_on_can_.clear();
+  }
 
  private:
   static constexpr std::size_t kMostQueued = 16;  // frames that wait for those before them
+  static constexpr std::size_t kMostHeard = 64;   // of CAN, that wait for RS-485
 
+  struct Request {
+    Frame frame = {};
+    Port* from = nullptr;
+  };
   /// PID (and index) to be sent when it is due.
   struct Reply {
     Route route;
     std::uint8_t pid = 0;
     std::uint8_t index = 1;
+    Port* port = nullptr;
   };
   struct Broadcast {
     std::uint8_t pid;
-    std::optional<std::uint8_t> host = std::nullopt;
+    Port* port = nullptr;  // none: off
+    std::uint8_t host = 0;
     SimTime due = kNever;
   };
 
-  void handle(Decoder::Event event);
-  void take(const Frame& frame);
+  Port::Taker taker();
+  void take(Port& from, const Frame& frame, std::span<const std::uint8_t> bytes);
   void work();
   void act(const Frame& frame);
+  void hear_on_can(const CanFrame& frame);
+  void resend();
   void act_on_command(const CommandRow& row);
   void answer(std::uint8_t pid, std::uint8_t index = 1);
   void answer_by_return_type();
@@ -151,21 +172,22 @@ class Device final : public SerialReceiver {
   bool is_dual() const { return controller_.motors() > 1; }
 
   EventLoop& loop_;
-  SerialPort& port_;
   md::Controller& controller_;
   const ModelTable& table_;
   Parameters parameters_;
   DeviceOptions options_;
   WireLog log_;
 
-  Decoder decoder_{protocol::Direction::kRequest};
-  SimTime heard_ = kSimStart;
-  std::deque<Frame> queue_;
-  Frame current_;  // that is acted on
+  UartPort rs485_;
+  std::vector<std::unique_ptr<UartPort>> other_uarts_;
+  std::unique_ptr<CanBusPort> can_;
+  std::deque<Request> queue_;
+  Request current_;  // that is acted on
   std::optional<Reply> reply_;
   SimDuration takes_{};  // what the current frame keeps the program busy with
   std::array<Broadcast, 7> broadcasts_{{{193}, {194}, {196}, {200}, {202}, {201}, {210}}};
-  Wakeup silence_;
+  std::optional<std::uint8_t> resend_to_;  // CMD 23's host
+  std::deque<CanFrame> heard_on_can_;
   Wakeup work_;
   Wakeup broadcast_;
 };

@@ -19,6 +19,7 @@ constexpr std::uint8_t kSecondMotorPids[] = {39, 200, 201, 202, 241};
 constexpr std::uint8_t kSecondMotorCommands[] = {218, 251};
 constexpr std::uint8_t kFirstSecondMotorNumber = 50;
 constexpr std::uint8_t kClutchNumbers[] = {17, 18};
+constexpr std::uint8_t kCanNumbers[] = {23, 24};
 // Asked for, a real v7.2 kept silent although V4.4 types them R or R/W.
 constexpr std::uint8_t kSilentInV72[] = {146, 147, 152, 160, 198};
 
@@ -64,6 +65,7 @@ ModelTable::ModelTable(const md::Model& model, Profile profile)
   for (CommandRow& row : numbers_) {
     if ((one_motor && row.code >= kFirstSecondMotorNumber) ||
         (!model.clutch && holds(kClutchNumbers, row.code)) ||
+        (!model.can && holds(kCanNumbers, row.code)) ||
         (profile == Profile::kStrict && row.source == kLater)) {
       row.support = Support::kRejected;
     }
@@ -90,6 +92,9 @@ void ModelTable::adapt(ParameterRow& row) const {
       break;
     case 24:
       if (strict) row.range = kFlag;
+      break;
+    case 137:
+      if (!model_.can) row.support = Support::kStored;
       break;
     case 143:
       if (model_.ac) row.scale = 1;

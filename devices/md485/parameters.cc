@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <variant>
 #include <vector>
 
@@ -64,7 +65,7 @@ std::optional<Values> main_data(const Context& c) {
                    m.output_counts(),
                    m.status(),
                    m.position(),
-                   0,
+                   std::lround(255 * c.controller.brake_duty()),
                    heat_sink(c)};
   if (c.table.parameter(193)->fields.size() > values.size()) values.push(m.status2());
   return values;
@@ -341,7 +342,7 @@ static_assert(all_bound(), "a PID that is not rejected has nothing behind it, or
 // --- The flash -----------------------------------------------------------------------------------
 
 constexpr std::string_view kBlock = "settings";
-constexpr std::uint8_t kLayout = 1;
+constexpr std::uint8_t kLayout = 2;
 
 // Every number of the settings, in one order: visit(number).
 template <class AnySettings, class Visitor>
@@ -375,15 +376,22 @@ std::vector<std::uint8_t> to_block(const md::Model& model, const Settings& setti
 
 }  // namespace
 
-md::Settings stored_settings(const md::Model& model, NonVolatileMemory& memory) {
+md::Settings stored_settings(const md::Model& model, NonVolatileMemory& memory,
+                             const NoteListener& notes) {
   Settings settings = md::default_settings(model);
   const auto block = memory.read(kBlock);
+  if (!block) return settings;
   const std::vector<std::uint8_t> defaults = to_block(model, settings);
   const std::size_t head = 1 + model.name.size();
-  if (!block || block->size() != defaults.size() ||
-      !std::equal(defaults.begin(), defaults.begin() + static_cast<std::ptrdiff_t>(head),
-                  block->begin()) ||
-      protocol::sum8(*block) != 0) {
+  const bool whole = !block->empty() && protocol::sum8(*block) == 0;
+  const bool of_model =
+      block->size() == defaults.size() &&
+      std::equal(defaults.begin(), defaults.begin() + std::ptrdiff_t(head), block->begin());
+  if (!whole || !of_model) {
+    if (notes) {
+      notes(fmt::format("the stored settings are {}: {} starts with its own",
+                        whole ? "of another model or version" : "damaged", model.name));
+    }
     return settings;
   }
   std::span<const std::uint8_t> bytes = std::span(*block).subspan(head);

@@ -8,13 +8,15 @@
 #include "core/nvm.h"
 #include "devices/md485/model_table.h"
 #include "devices/protocol/payload.h"
+#include "devices/wire_log.h"
 #include "firmware_models/md/controller.h"
 
 namespace virtdrive::md485 {
 
-/// The settings that `memory` holds for this model; the model's own where it holds none, or damaged
-/// ones.
-md::Settings stored_settings(const md::Model& model, NonVolatileMemory& memory);
+/// The settings that `memory` holds for this model; the model's own where it holds none, and, with
+/// a note, where they are damaged or another model's.
+md::Settings stored_settings(const md::Model& model, NonVolatileMemory& memory,
+                             const NoteListener& notes = nullptr);
 
 class Parameters {
  public:

@@ -36,6 +36,8 @@ inline constexpr std::uint8_t kAllControllers = 254;
 /// What has to stand before the value in a write of the rows in kChecked (2.4).
 inline constexpr std::uint8_t kWriteCheck = 0xAA;
 inline constexpr std::uint8_t kDefaultCheck = 0x55;
+/// A CAN frame holds a PID and up to so many bytes of its data (2.3).
+inline constexpr std::size_t kMostCanData = 7;
 
 // --- Fields --------------------------------------------------------------------------------------
 
@@ -175,8 +177,12 @@ inline constexpr Field kFunctionPosition[] = {
     {.name = "speed", .type = WireType::kI16, .unit = "rpm"},
     {.name = "increment", .type = WireType::kI16, .unit = "counts"}};
 inline constexpr Field kFirstWord[] = {{.name = "value", .type = WireType::kU16}};
-inline constexpr Field kCanFrame[] = {{.name = "can_id", .type = WireType::kU32},
-                                      {.name = "data", .count = 8}};
+inline constexpr Field kCanFrame[] = {
+    {.name = "can_id", .type = WireType::kU32}, {.name = "data1", .optional = true},
+    {.name = "data2", .optional = true},        {.name = "data3", .optional = true},
+    {.name = "data4", .optional = true},        {.name = "data5", .optional = true},
+    {.name = "data6", .optional = true},        {.name = "data7", .optional = true},
+    {.name = "data8", .optional = true}};
 
 // --- Commands (2.4) ------------------------------------------------------------------------------
 
@@ -288,10 +294,10 @@ inline constexpr CommandRow kCommandNumbers[] = {
      .doc = "SLOW_START (153) to 0."},
     {.code = 22, .name = "CMD_SLOW_DOWN_OFF", .replies = false, .source = "p. 7",
      .doc = "SLOW_DOWN (154) to 0."},
-    {.code = 23, .name = "CMD_CAN_RESEND_ON", .replies = false, .support = Support::kRejected, .source = "p. 7",
-     .doc = "There is no CAN port yet."},
-    {.code = 24, .name = "CMD_CAN_RESEND_OFF", .replies = false, .support = Support::kRejected, .source = "p. 7",
-     .doc = "There is no CAN port yet."},
+    {.code = 23, .name = "CMD_CAN_RESEND_ON", .replies = false, .source = "p. 7",
+     .doc = "What is heard on CAN goes out on RS-485 as PID 238, to this host (models with CAN)."},
+    {.code = 24, .name = "CMD_CAN_RESEND_OFF", .replies = false, .source = "p. 7",
+     .doc = "No more."},
     {.code = 25, .name = "CMD_MAX_LOAD_OFF", .replies = false, .source = "p. 7",
      .doc = "MAX_LOAD (211) to the model's."},
     {.code = 26, .name = "CMD_ENC_PPR_OFF", .replies = false, .source = "p. 7",
@@ -398,12 +404,12 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "Inputs: bit 0 INT_SPEED, 1 ALARM_RESET, 2 DIR, 3 RUN/BRAKE, 4 START/STOP, 5 ENC_B, 6 ENC_A."},
     {.id = 49, .name = "PID_IN_POSITION_OK", .type = WireType::kU8, .access = Access::kReadOnly, .range = {0, 3}, .evidence = Evidence::kObserved, .source = "later",
      .doc = "Bit 0: motor 1 in position, bit 1: motor 2."},
-    {.id = 57, .name = "PID_MAX_SS_TIME", .type = WireType::kU8, .range = kByte, .factory = {15}, .support = Support::kStored, .evidence = Evidence::kObserved, .source = "later",
-     .doc = "Seconds that SLOW_START 1023 stands for; fixed at 15."},
+    {.id = 57, .name = "PID_MAX_SS_TIME", .type = WireType::kU8, .range = kByte, .factory = {15}, .evidence = Evidence::kObserved, .source = "later",
+     .doc = "Seconds that 1023 of SLOW_START, SLOW_DOWN, POSI_SS and POSI_SD stands for."},
     {.id = 60, .name = "PID_LAST_ALARM", .type = WireType::kU8, .access = Access::kReadOnly, .range = kByte, .evidence = Evidence::kObserved, .source = "later",
      .doc = "Status bits of the last alarm."},
-    {.id = 78, .name = "PID_UI_COM", .type = WireType::kU8, .range = kFlag, .support = Support::kStored, .evidence = Evidence::kObserved, .source = "later",
-     .doc = "Commands are taken whatever this is, as on the controllers seen."},
+    {.id = 78, .name = "PID_UI_COM", .type = WireType::kU8, .range = kFlag, .evidence = Evidence::kObserved, .source = "later",
+     .doc = "1: frames drive from power-up on, 0: the terminals do, until the first motion command; a change acts as CMD 45 or 44."},
     {.id = 81, .name = "PID_LATER_81", .type = WireType::kU8, .range = kByte, .support = Support::kStored, .evidence = Evidence::kObserved, .source = "later",
      .doc = "Written by hosts at start-up."},
     {.id = 82, .name = "PID_SYNC_TYPE", .type = WireType::kU8, .range = kByte, .support = Support::kStored, .evidence = Evidence::kObserved, .source = "later",
@@ -418,8 +424,8 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "Own ID, at once. Written behind 0xAA."},
     {.id = 135, .name = "PID_BAUDRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {2}, .source = "p. 12",
      .doc = "9600, 19200, 38400, 57600, 115200; from the next power-up on. Written behind 0xAA."},
-    {.id = 137, .name = "PID_ECAN_BITRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {1}, .support = Support::kStored, .source = "p. 12",
-     .doc = "There is no CAN port yet. Written behind 0xAA."},
+    {.id = 137, .name = "PID_ECAN_BITRATE", .type = WireType::kU8, .range = {1, 5}, .factory = {1}, .source = "p. 12",
+     .doc = "50, 100, 250, 500 kbit/s, 1 Mbit/s; from the next power-up on. Stored on models without CAN. Written behind 0xAA."},
     {.id = 138, .name = "PID_INT_RPM_DATA", .type = WireType::kI16, .access = Access::kReadOnly, .range = kAnyI16, .unit = "rpm", .source = "p. 12",
      .doc = "Speed of motor 1."},
     {.id = 139, .name = "PID_TQ_DATA", .type = WireType::kU16, .access = Access::kReadOnly, .range = {0, 32767}, .unit = "A", .scale = 0.1, .source = "p. 12",
@@ -434,8 +440,8 @@ inline constexpr ParameterRow kParameters[] = {
      .doc = "What a command or write is answered with: 0 nothing, 1 PID 196, 2 PID 7, 3 PID 194. Written behind 0xAA."},
     {.id = 150, .name = "PID_TQ_PO", .type = WireType::kI16, .range = kAnyI16, .support = Support::kStored, .source = "header",
      .doc = "Nothing tells what it is."},
-    {.id = 152, .name = "PID_OVER_MODULATION", .type = WireType::kU8, .range = kFlag, .support = Support::kStored, .source = "p. 13",
-     .doc = "Of a sine drive; these six-step drives have none. Written behind 0xAA."},
+    {.id = 152, .name = "PID_OVER_MODULATION", .type = WireType::kU8, .range = kFlag, .evidence = Evidence::kAssumed, .source = "p. 13",
+     .doc = "1: each leg conducts for 150 degrees instead of 120, more output with more ripple. Written behind 0xAA."},
     {.id = 153, .name = "PID_SLOW_START", .type = WireType::kI16, .range = kTenBits, .source = "p. 13",
      .doc = "1023: 15 s from 0 to MAX_RPM, linear."},
     {.id = 154, .name = "PID_SLOW_DOWN", .type = WireType::kI16, .range = kTenBits, .source = "p. 13",
@@ -535,7 +541,7 @@ inline constexpr ParameterRow kParameters[] = {
     {.id = 235, .name = "PID_TQ_GAIN", .fields = kTorqueGains, .evidence = Evidence::kObserved, .source = "later",
      .doc = "PIDs 170 and 177 in one."},
     {.id = 238, .name = "PID_CAN_RESEND", .access = Access::kReadOnly, .fields = kCanFrame, .support = Support::kRejected, .source = "p. 27",
-     .doc = "There is no CAN port yet."},
+     .doc = "A frame that was heard on CAN; sent by CMD 23 (p. 7), never asked for: a request for it is not answered."},
     {.id = 239, .name = "PID_FUNC_SPEED", .fields = kFunctionSpeed, .source = "p. 27",
      .doc = "Speed and run time of functions SPEED, MOMENTARY and ADD."},
     {.id = 241, .name = "PID_PNT_IO_MONITOR", .access = Access::kReadOnly, .fields = kPntIoMonitor, .evidence = Evidence::kObserved, .source = "later",

@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 constexpr SimDuration kTick = 1ms;
 constexpr int kDebounceMs = 10;  // assumed
 constexpr int kEncoderWindowMs = 10;
+constexpr double kBrakeDutyMs = 50;
 constexpr double kFull = 1023;
 
 // Heat sink (assumed): 30 K over ambient at the rated current, first order in 300 s; a fan halves.
@@ -39,6 +40,7 @@ Controller::Controller(EventLoop& loop, std::span<Axis* const> axes, const Model
       settings_(settings),
       started_(loop.now()),
       last_frame_(loop.now()),
+      frames_drive_(settings.ui_com != 0),
       tick_(loop.add(Phase::kControl, [this] { millisecond(); })) {
   motors_.reserve(axes.size());  // the channels refer to settings_, the stages stay where they are
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -58,6 +60,7 @@ void Controller::set_settings(const Settings& settings) {
       motor.signal = false;
     }
   }
+  if (settings.ui_com != settings_.ui_com) frames_drive_ = settings.ui_com != 0;
   settings_ = settings;
 }
 
@@ -164,6 +167,7 @@ void Controller::run(std::size_t number) {
 Measured Controller::measure(Motor& motor, std::size_t number) {
   const PowerStage::Reading reading = motor.stage->read();
   motor.bus_v = reading.bus_v;
+  if (number == 0) brake_duty_ += (reading.brake_share - brake_duty_) / kBrakeDutyMs;
   motor.hall = reading.hall;
   std::ranges::rotate(motor.encoder_ms, motor.encoder_ms.end() - 1);
   motor.encoder_ms.front() = reading.encoder;
@@ -177,7 +181,7 @@ Measured Controller::measure(Motor& motor, std::size_t number) {
                                         : 0;
   const bool encoder_position = settings_.use_eposi != 0 && by_encoder;
   return {.rpm = by_encoder ? encoder_rpm : hall_rpm,
-          .counts = encoder_position ? -reading.encoder : hall.count(),
+          .counts = encoder_position ? reading.encoder : hall.count(),
           .current_a = reading.current_a,
           .limited = reading.limited,
           .bus_v = reading.bus_v,

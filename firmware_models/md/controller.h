@@ -75,6 +75,8 @@ class Controller {
   bool alarm_output() const;
   bool frames_drive() const { return frames_drive_; }
   double bus_v() const { return motors_.front().bus_v; }
+  /// 0..1, mean of 50 ms: how long the brake resistor is on.
+  double brake_duty() const { return brake_duty_; }
   std::uint8_t hall(std::size_t number) const { return motors_[number].hall; }
   std::int32_t seconds_up() const;
 
@@ -125,6 +127,7 @@ class Controller {
   bool clutch_ = false;
   double ambient_degc_ = 25;
   double heat_sink_degc_ = 25;
+  double brake_duty_ = 0;
   Wakeup tick_;
 };
 

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kFull = 1023;
 constexpr double kTickS = 1e-3;
-constexpr double kMostRampS = 15;  // SLOW_START 1023 (p. 13)
 
 // GAIN_FACTOR of the document's torque formula, and the integrals' times: open in every source,
 // chosen so that gains seen on real devices (P 50..6000, I 500..6000) are stable on all motors.
@@ -43,10 +42,17 @@ std::int32_t MotorChannel::feedback_sign() const {
   return out ? -command_sign() : command_sign();
 }
 
+// Positions by the encoder are told with the other sign (seen on real controllers).
+std::int32_t MotorChannel::encoder_sign() const {
+  return by_encoder() ? -1 : 1;
+}
+
+bool MotorChannel::by_encoder() const {
+  return settings_.use_eposi != 0 && settings_.enc_ppr > 0;
+}
+
 int MotorChannel::counts_per_turn() const {
-  return settings_.use_eposi != 0 && settings_.enc_ppr > 0
-             ? 4 * settings_.enc_ppr
-             : hall_counts_per_turn(settings_.hall_type);
+  return by_encoder() ? 4 * settings_.enc_ppr : hall_counts_per_turn(settings_.hall_type);
 }
 
 double MotorChannel::rpm_per_count() const {
@@ -62,8 +68,8 @@ double MotorChannel::clamped_rpm(double rpm) const {
 // Per millisecond; a setting of 0 leaves it to the board's volume, and that at 0 is a step.
 double MotorChannel::ramp_step(std::int32_t raw, double full_scale, double volume) const {
   const double share = raw > 0 ? raw / kFull : volume;
-  return share > 0 ? full_scale / (share * kMostRampS) * kTickS
-                   : std::numeric_limits<double>::infinity();
+  const double time_s = share * settings_.max_ss_time;
+  return time_s > 0 ? full_scale / time_s * kTickS : std::numeric_limits<double>::infinity();
 }
 
 bool MotorChannel::slow() const {
@@ -116,14 +122,15 @@ void MotorChannel::move_to(std::int32_t position, double max_rpm) {
   armed_ = true;
   // The nearest way round the 32 bits.
   const std::int64_t here = now_.counts + offset_;
-  const std::int64_t goal = here + wrapped(std::int64_t{command_sign()} * position - here);
+  const std::int64_t goal =
+      here + wrapped(std::int64_t{command_sign() * encoder_sign()} * position - here);
   if (goal != goal_) begin_move();
   goal_ = goal;
   goal_rpm_ = std::clamp<double>(std::fabs(max_rpm), 0, settings_.max_rpm);
 }
 
 void MotorChannel::move_by(std::int32_t increment, double max_rpm) {
-  const std::int64_t here = std::int64_t{command_sign()} * (now_.counts + offset_);
+  const std::int64_t here = std::int64_t{command_sign() * encoder_sign()} * (now_.counts + offset_);
   move_to(wrapped(here + increment), max_rpm);
 }
 
@@ -144,7 +151,8 @@ void MotorChannel::brake() {
 }
 
 void MotorChannel::set_position(std::int32_t position) {
-  const std::int64_t offset = std::int64_t{feedback_sign()} * position - now_.counts;
+  const std::int64_t offset =
+      std::int64_t{feedback_sign() * encoder_sign()} * position - now_.counts;
   goal_ += offset - offset_;  // a move under way goes on as it was
   offset_ = offset;
 }
@@ -186,11 +194,11 @@ std::int32_t MotorChannel::output_counts() const {
 }
 
 std::int32_t MotorChannel::position() const {
-  return wrapped(feedback_sign() * (now_.counts + offset_));
+  return wrapped(feedback_sign() * encoder_sign() * (now_.counts + offset_));
 }
 
 std::int32_t MotorChannel::target_position() const {
-  return mode_ == Mode::kPosition ? wrapped(feedback_sign() * goal_) : position();
+  return mode_ == Mode::kPosition ? wrapped(feedback_sign() * encoder_sign() * goal_) : position();
 }
 
 // --- The millisecond -----------------------------------------------------------------------------
@@ -237,7 +245,8 @@ void MotorChannel::drive(double output, bool only_driving) {
               .only_driving = only_driving,
               .limit_a = kLimiter * max_load_a(model_, settings_) *
                          (model_.temperature_sensor ? derating(now_.heat_sink_degc) : 1),
-              .lead_deg = lead};
+              .lead_deg = lead,
+              .overlap = settings_.over_modulation != 0};
 }
 
 void MotorChannel::regulate_speed(double reference_rpm, bool frozen) {

@@ -29,6 +29,7 @@ struct StageCommand {
   bool only_driving = false;  // never against the current's own sense: no regeneration
   double limit_a = 0;         // of the current limiter
   double lead_deg = 0;        // commutation so much earlier, electrical
+  bool overlap = false;       // legs conduct for 150 degrees instead of 120
 };
 
 /// What the sensors told in the last millisecond, in the motor's sense.
@@ -86,6 +87,8 @@ class MotorChannel {
 
   std::int32_t command_sign() const;
   std::int32_t feedback_sign() const;
+  std::int32_t encoder_sign() const;
+  bool by_encoder() const;  // positions are
   double clamped_rpm(double rpm) const;
   double ramp_step(std::int32_t raw, double full_scale, double volume) const;
   bool take_over(Mode mode);

@@ -29,6 +29,8 @@ PowerStage::PowerStage(EventLoop& loop, Axis& axis, double rated_current_a, cons
       shunt_{.adc = kAdc,
              .volts_per_amp = kAdc.reference_v / 2 / (kFullScale * rated_current_a),
              .noise_a = kNoise * rated_current_a},
+      bus_(axis.bus()),
+      has_chopper_(bus_.parameters().chopper.on_v > 0),
       pwm_(loop.add(Phase::kControl, [this] { period(); })) {
   advance();
 }
@@ -37,6 +39,7 @@ PowerStage::PowerStage(EventLoop& loop, Axis& axis, double rated_current_a, cons
 
 void PowerStage::advance() {
   axis_.advance_to(loop_.now());
+  if (has_chopper_ && bus_.chopper_on()) braking_ += loop_.now() - seen_at_;
   see_hall();
 }
 
@@ -73,7 +76,8 @@ void PowerStage::set_sensors(const StageSensors& sensors) {
 
 double PowerStage::sample_current() {
   if (!driving_) return 0;
-  const double seen = pair_current_a(sector(), axis_.leg_currents_a());
+  const double seen = overlapped_ ? overlapped_current_a(sector(), axis_.leg_currents_a())
+                                  : pair_current_a(sector(), axis_.leg_currents_a());
   const double counts = shunt_.counts(seen, noise_) - shunt_.zero_counts();
   return counts * kAdc.reference_v / (kAdc.full_scale() + 1) / shunt_.volts_per_amp;
 }
@@ -85,11 +89,14 @@ PowerStage::Reading PowerStage::read() {
   const double mean = current_samples_ > 0 ? current_sum_a_ / current_samples_ : current_a_;
   current_sum_a_ = 0;
   current_samples_ = 0;
+  const SimDuration since = loop_.now() - std::exchange(read_at_, loop_.now());
+  const SimDuration braking = std::exchange(braking_, SimDuration{});
   return {.current_a = mean,
           .limited = std::exchange(limited_, false),
           .bus_v = std::round(axis_.state().bus_v * 10) / 10,
           .hall = code_,
-          .encoder = encoder_.count()};
+          .encoder = encoder_.count(),
+          .brake_share = since > SimDuration{} ? seconds(braking) / seconds(since) : 0};
 }
 
 // --- Gates ---------------------------------------------------------------------------------------
@@ -142,7 +149,9 @@ void PowerStage::period() {
 
 void PowerStage::drive_bridge() {
   if (!hall_sector(code_)) return cut({.mode = Bridge::kOff});
-  axis_.set_bridge(six_step(sector(), command_.output, kPwmPeriod));
+  overlapped_ = overlaps();
+  axis_.set_bridge(overlapped_ ? six_step_overlapped(sector(), command_.output, kPwmPeriod)
+                               : six_step(sector(), command_.output, kPwmPeriod));
   bridge_ = Bridge::kDriven;
   driving_ = true;
 }
@@ -164,6 +173,14 @@ int PowerStage::sector() const {
     return here;
   }
   return (here + (command_.output < 0 ? 5 : 1)) % 6;
+}
+
+// For the last 30 of a sector's 60 degrees.
+bool PowerStage::overlaps() const {
+  const SimDuration interval = hall_.last_interval();
+  if (!command_.overlap || interval <= SimDuration{}) return false;
+  const SimDuration since = loop_.now() - hall_.last_edge();
+  return since > interval / 2 && since < 2 * interval;
 }
 
 bool PowerStage::near_limit() const {

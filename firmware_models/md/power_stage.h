@@ -42,6 +42,7 @@ class PowerStage {
     double bus_v = 0;
     std::uint8_t hall = 0;
     std::int64_t encoder = 0;
+    double brake_share = 0;  // of the time since then: the link's brake resistor was on
   };
   /// Brings the motor to the present, and what the sensors told since the last call.
   Reading read();
@@ -60,6 +61,7 @@ class PowerStage {
   void see_hall();
   void see_encoder();
   double sample_current();
+  bool overlaps() const;
   void drive_bridge();
   void cut(const BridgeCommand& command);
   int sector() const;
@@ -87,6 +89,11 @@ class PowerStage {
   double current_sum_a_ = 0;
   int current_samples_ = 0;
   bool limited_ = false;
+  bool overlapped_ = false;  // three legs conduct
+  const DcBus bus_;
+  const bool has_chopper_;
+  SimTime read_at_ = kSimStart;
+  SimDuration braking_{};
   double clutch_nm_ = 0;
   Wakeup pwm_;
 };

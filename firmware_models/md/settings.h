@@ -68,12 +68,15 @@ struct Settings {
   std::int32_t func_type = 0;
   std::int32_t func_speed = 1000, func_delay = 10;  // rpm, 0.1 s
   std::int32_t func_posi_speed = 1500, func_posi_increment = 240;
-  std::int32_t watch_delay = 0;  // 0.1 s
+  std::int32_t watch_delay = 0;   // 0.1 s
+  std::int32_t max_ss_time = 15;  // s that a slow start of 1023 takes
+  std::int32_t ui_com = 0;        // 1: frames drive from power-up on
+  std::int32_t over_modulation = 0;
 
   // Kept and read back, without effect
-  std::int32_t later_26 = 0, stop_status2 = 0, use_limit_sw2 = 0, bluetooth = 0, max_ss_time = 15;
-  std::int32_t ui_com = 0, later_81 = 0, sync_type = 0, no_modbus = 1, later_92 = 0, later_126 = 0;
-  std::int32_t tq_po = 0, over_modulation = 0, pwm_out = 0, limit_tq = 0;
+  std::int32_t later_26 = 0, stop_status2 = 0, use_limit_sw2 = 0, bluetooth = 0;
+  std::int32_t later_81 = 0, sync_type = 0, no_modbus = 1, later_92 = 0, later_126 = 0;
+  std::int32_t tq_po = 0, pwm_out = 0, limit_tq = 0;
 };
 
 /// Poles of HALL_TYPE (p. 8): a table up to 5, then twice the value.
@@ -90,6 +93,12 @@ constexpr int hall_counts_per_turn(std::int32_t hall_type) {
 constexpr int kBauds[] = {9600, 19200, 38400, 57600, 115200};
 constexpr int baud(std::int32_t code) {
   return kBauds[code - 1];
+}
+
+/// bit/s of PID 137's codes 1..5 (p. 12).
+constexpr int kCanBitRates[] = {50'000, 100'000, 250'000, 500'000, 1'000'000};
+constexpr int can_bit_rate(std::int32_t code) {
+  return kCanBitRates[code - 1];
 }
 
 /// The speed of step 1..7 in rpm.

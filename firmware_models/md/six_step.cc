@@ -30,6 +30,23 @@ BridgeCommand six_step(int sector, double output, SimDuration pwm_period) {
   return command;
 }
 
+BridgeCommand six_step_overlapped(int sector, double output, SimDuration pwm_period) {
+  BridgeCommand command = six_step(sector, output, pwm_period);
+  const BridgeCommand next = six_step((sector + (output < 0 ? 5 : 1)) % 6, output, pwm_period);
+  for (std::size_t leg = 0; leg < command.legs.size(); ++leg) {
+    if (command.legs[leg] != Leg::kHiZ) continue;
+    command.legs[leg] = next.legs[leg];
+    command.duty[leg] = next.duty[leg];
+  }
+  return command;
+}
+
+double overlapped_current_a(int sector, const PhaseValues& current_a) {
+  const PhasePair pair = pair_of(sector);
+  const double in = current_a[pair.source], out = -current_a[pair.sink];
+  return std::fabs(in) > std::fabs(out) ? in : out;
+}
+
 double pair_current_a(int sector, const PhaseValues& current_a) {
   const PhasePair pair = pair_of(sector);
   return (current_a[pair.source] - current_a[pair.sink]) / 2;

@@ -21,8 +21,13 @@ PhasePair pair_of(int sector);
 
 /// The bridge for an output of -1..1 of the DC link in a sector.
 BridgeCommand six_step(int sector, double output, SimDuration pwm_period);
+/// The same at the end of a sector, with the leg that joins in the next one: each conducts for more
+/// than 120 degrees.
+BridgeCommand six_step_overlapped(int sector, double output, SimDuration pwm_period);
 
 /// The current of the pair, positive where it makes torque towards CCW (A).
 double pair_current_a(int sector, const PhaseValues& current_a);
+/// The same where three legs conduct: the one that is alone on its side carries it all.
+double overlapped_current_a(int sector, const PhaseValues& current_a);
 
 }  // namespace virtdrive::md

@@ -20,6 +20,7 @@ struct RunOptions {
   BenchOptions bench;
   std::string link;
   std::string link2;                 // a second terminal, for the drive's second port
+  std::string can_link;              // one for an SLCAN adapter at the drive's CAN port
   std::string tcp;                   // [HOST:]PORT to listen on instead of a pseudo-terminal
   std::string rfc2217;               // the same, with RFC 2217
   std::string port;                  // or an existing serial device

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -201,6 +202,35 @@ void report(const RunOptions& options, Bench& bench, const Port& port, const Pac
       port.overrun(), pacing.overruns, seconds(SimDuration(pacing.max_lag)) * 1e3, bench.seed()));
 }
 
+// Further terminals, each on a line of its own at one of the drive's further ports.
+struct FurtherLine {
+  std::string name;
+  std::string link;
+};
+
+std::vector<FurtherLine> further_lines(const RunOptions& options) {
+  std::vector<FurtherLine> lines;
+  if (!options.link2.empty()) lines.push_back({"line2", options.link2});
+  if (!options.can_link.empty()) lines.push_back({"can", options.can_link});
+  return lines;
+}
+
+void add_further_lines(const RunOptions& options, BenchOptions& bench) {
+  for (const FurtherLine& line : further_lines(options)) {
+    bench.lines.push_back({.name = line.name, .timing = bench.lines[0].timing});
+  }
+  std::vector<std::string>& others = bench.drives[0].other_lines;
+  if (!options.link2.empty()) others = {"line2"};
+  if (options.can_link.empty()) return;
+  const DriveKind& kind = find_drive(bench.drives[0].kind);
+  const auto can = std::ranges::find_if(kind.ports, &PortKind::can);
+  if (can == kind.ports.end()) {
+    throw SetupError(fmt::format("--can-link: {} has no CAN port", kind.name));
+  }
+  others.resize(static_cast<std::size_t>(can - kind.ports.begin()));
+  others.back() = "can";
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -215,16 +245,15 @@ int run(const RunOptions& options) {
   if (options.signals.empty() != options.record.empty()) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
-  if (!options.link2.empty()) {
-    bench_options.lines.push_back({.name = "line2", .timing = bench_options.lines[0].timing});
-    bench_options.drives[0].other_lines = {"line2"};
-  }
+  add_further_lines(options, bench_options);
   Bench bench(bench_options);
   std::optional<Start> start;
   if (!options.start.empty()) start = parse_start(options.start, bench.drive().kind());
   const Port port = open_port(options, bench.line());
-  std::optional<PtyEndpoint> second;
-  if (!options.link2.empty()) second.emplace(bench.line("line2"), options.link2);
+  std::vector<std::unique_ptr<PtyEndpoint>> others;
+  for (const FurtherLine& line : further_lines(options)) {
+    others.push_back(std::make_unique<PtyEndpoint>(bench.line(line.name), line.link));
+  }
   std::optional<Recorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
@@ -249,7 +278,7 @@ int run(const RunOptions& options) {
     runner.add(*control);
   }
   runner.add(*port.endpoint);
-  if (second) runner.add(*second);
+  for (const auto& other : others) runner.add(*other);
   announce(options, bench, port);
   if (!options.rate && !options.duration_s) {
     console.print_line("free run: simulated time passes much faster than a host program expects");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <fmt/format.h>
 #include <memory>
 #include <vector>
@@ -40,7 +41,7 @@ DcLinkParameters link_of(const md::Model& model) {
 // MOSFETs with their leads and body diodes; assumed.
 constexpr InverterParameters kBridge{.on_resistance_ohm = 0.01, .diode_v = 0.7};
 
-class MdDrive final : public Drive, private SerialReceiver {
+class MdDrive final : public Drive, private CanReceiver {
  public:
   MdDrive(const DriveContext& context, const md::Model& model)
       : context_(context),
@@ -49,10 +50,13 @@ class MdDrive final : public Drive, private SerialReceiver {
         pins_(axes_.size()),
         sensors_(axes_.size()),
         baud_code_(model.baud_code) {
+    for (std::size_t port = 0; port < context_.ports.size(); ++port)
+      ears_.emplace_back(*this, port);
+    if (context_.can != nullptr) context_.can->attach(*this);
     power_on();
   }
 
-  SerialReceiver& receiver(std::size_t) override { return *this; }
+  SerialReceiver& receiver(std::size_t port) override { return ears_[port]; }
   Axis& axis(std::size_t channel) override { return axes_[channel]; }
   WireCounters wire_counters() const override {
     return board_ ? counted_ + board_->device.counters() : counted_;
@@ -70,14 +74,35 @@ class MdDrive final : public Drive, private SerialReceiver {
     Board(const DriveContext& context, std::span<Axis* const> axes, const md::Model& model,
           Profile profile)
         : table(model, profile),
-          controller(context.loop, axes, model, stored_settings(model, context.memory),
-                     context.seed),
+          controller(context.loop, axes, model,
+                     stored_settings(model, context.memory, context.notes), context.seed),
           device(context.loop, *context.ports[0], controller, table, context.memory,
                  {.latency = context.ideal_line ? SimDuration{} : DeviceOptions{}.latency},
-                 context.listener, context.notes) {}
+                 context.listener, context.notes) {
+      receivers.push_back(&device);
+      for (LineEnd* const port : std::span(context.ports).subspan(1)) {
+        receivers.push_back(port != nullptr ? &device.add_serial(*port) : nullptr);
+      }
+      if (context.can != nullptr) can = &device.add_can(*context.can);
+    }
     ModelTable table;
     Controller controller;
     Device device;
+    std::vector<SerialReceiver*> receivers;  // one a port
+    CanReceiver* can = nullptr;
+  };
+
+  // A serial port's receiver: there without power, and deaf then.
+  class Ear final : public SerialReceiver {
+   public:
+    Ear(MdDrive& drive, std::size_t port) : drive_(drive), port_(port) {}
+    void receive(std::uint8_t byte) override {
+      if (drive_.board_) drive_.board_->receivers[port_]->receive(byte);
+    }
+
+   private:
+    MdDrive& drive_;
+    std::size_t port_;
   };
 
   // Two motors share one link.
@@ -94,8 +119,8 @@ class MdDrive final : public Drive, private SerialReceiver {
     }
     return axes;
   }
-  void receive(std::uint8_t byte) override {
-    if (board_) board_->device.receive(byte);
+  void receive(const CanFrame& frame) override {
+    if (board_) board_->can->receive(frame);
   }
   void follow_baud();
   void apply_surroundings();
@@ -114,6 +139,7 @@ class MdDrive final : public Drive, private SerialReceiver {
   double ambient_degc_ = 25;
   std::int32_t baud_code_;        // that the line is set to
   WireCounters counted_;          // before the last power cycle
+  std::deque<Ear> ears_;          // one a port
   std::unique_ptr<Board> board_;  // none without power
 };
 
@@ -122,6 +148,7 @@ class MdDrive final : public Drive, private SerialReceiver {
 void MdDrive::power_off() {
   counted_ = wire_counters();
   if (board_) board_->controller.set_clutch(false);
+  if (context_.can != nullptr) context_.can->close();
   board_.reset();
   for (Axis& axis : axes_) {
     axis.advance_to(context_.loop.now());
@@ -137,9 +164,12 @@ void MdDrive::power_on() {
   follow_baud();
 }
 
-// A baud rate that was written counts from the next power-up on (p. 12).
+// A baud rate that was written counts from the next power-up on (p. 12); so does the CAN bit rate
+// (assumed).
 void MdDrive::follow_baud() {
-  const std::int32_t code = board_->controller.settings().baud_code;
+  const md::Settings& settings = board_->controller.settings();
+  if (context_.can != nullptr) context_.can->open(md::can_bit_rate(settings.can_bitrate), false);
+  const std::int32_t code = settings.baud_code;
   if (code == baud_code_) return;
   baud_code_ = code;
   context_.ports[0]->set_baud(md::baud(code));
@@ -322,6 +352,15 @@ void MdDrive::register_board(Registry& registry) {
                      }});
 }
 
+// The TTL port's baud rate is fixed (p. 5); a CAN adapter's is any.
+std::vector<PortKind> ports_of(const md::Model& model) {
+  std::vector<PortKind> ports = {
+      {.name = "rs485", .baud = md::baud(model.baud_code), .duplex = Duplex::kHalf}};
+  if (model.ttl232) ports.push_back({.name = "ttl232", .baud = 9600, .protocol = kTable.name});
+  if (model.can) ports.push_back({.name = "can", .baud = 115200, .can = true});
+  return ports;
+}
+
 }  // namespace
 
 std::vector<DriveKind> md_kinds() {
@@ -339,7 +378,7 @@ std::vector<DriveKind> md_kinds() {
     kinds.push_back(
         {.name = model.name,
          .default_motor = model.motor,
-         .ports = {{.name = "rs485", .baud = md::baud(model.baud_code), .duplex = Duplex::kHalf}},
+         .ports = ports_of(model),
          .channels = model.motors,
          .default_channel = 0,
          .table = table->table(),

@@ -37,14 +37,24 @@ const Row& row_named(std::span<const Row> rows, std::string_view kind, std::stri
   throw SetupError(unknown_name(kind, without_prefix(name), names));
 }
 
-std::int64_t number(std::string_view text, std::string_view digits) {
-  std::int64_t value = 0;
+// As it lies on the wire, "200", or in the field's unit, "20A".
+std::int64_t number(std::string_view text, std::string_view digits, const Field& field) {
+  double value = 0;
   const char* const end = digits.data() + digits.size();
   const auto [stop, error] = std::from_chars(digits.data(), end, value);
-  if (error != std::errc{} || stop != end) {
-    throw SetupError(fmt::format("{}: '{}' is not a whole number", text, digits));
+  const std::string_view unit(stop, static_cast<std::size_t>(end - stop));
+  if (error != std::errc{} || (!unit.empty() && unit != field.unit)) {
+    throw SetupError(field.unit.empty()
+                         ? fmt::format("{}: '{}' is not a whole number", text, digits)
+                         : fmt::format("{}: '{}' is neither a whole number nor a value in {}", text,
+                                       digits, field.unit));
   }
-  return value;
+  const double raw = unit.empty() ? value : value / field.scale;
+  constexpr double kTolerance = 1e-6;
+  if (!(std::fabs(raw - std::round(raw)) < kTolerance) || std::fabs(raw) > 1e12) {
+    throw SetupError(fmt::format("{}: '{}' is not a whole number of steps", text, digits));
+  }
+  return std::llround(raw);
 }
 
 // NAME or NAME.FIELD, with a name's own dots.
@@ -91,7 +101,7 @@ class MdHost final : public HostClient {
     for (std::size_t i = is_checked(parsed.row->id) ? 1 : 0; i < parsed.values.size(); ++i) {
       values.push(parsed.values[i]);
     }
-    client_.write(*parsed.row, values);
+    client_.set(*parsed.row, values);
   }
   std::string setting(std::string_view parameter) override {
     const protocol::Values values = client_.read(row_named(kTable.parameters, "PID", parameter));
@@ -127,12 +137,13 @@ MdAssignment parse_md_assignment(std::string_view text) {
   const ParameterRow& row = row_named(kTable.parameters, "parameter", text.substr(0, equals));
   MdAssignment assignment{.row = &row, .values = {}};
   if (is_checked(row.id)) assignment.values.push(kWriteCheck);
+  const std::vector<Field> fields = write_fields(row);
   for (std::string_view rest = text.substr(equals + 1); !rest.empty();) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
-    assignment.values.push(number(text, rest.substr(0, comma)));
+    const Field& field = fields[std::min(assignment.values.size(), fields.size() - 1)];
+    assignment.values.push(number(text, rest.substr(0, comma), field));
     rest.remove_prefix(std::min(comma + 1, rest.size()));
   }
-  const std::vector<Field> fields = write_fields(row);
   const auto wanted = static_cast<std::size_t>(
       std::ranges::count_if(fields, [](const Field& field) { return !field.optional; }));
   if (assignment.values.size() < wanted || assignment.values.size() > fields.size()) {

@@ -1,12 +1,10 @@
 #include "scenarios/recording/wire_recorder.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
-#include "devices/framers.h"
 #include "plant/motor_library.h"
 
 namespace virtdrive {
@@ -50,14 +48,8 @@ std::vector<RecordedFile> files_of(const BenchOptions& options) {
 std::vector<RecordedLine> recorded_lines(Bench& bench, const BenchOptions& options) {
   std::vector<RecordedLine> lines;
   for (const LineSpec& spec : options.lines) {
-    SerialLine& line = bench.line(spec.name);
-    const auto& drives = bench.drives();
-    const auto on_it =
-        std::ranges::find_if(drives, [&](const auto& drive) { return &drive->line() == &line; });
-    // What a drive's further ports carry has no framer.
-    const std::string_view protocol =
-        on_it == drives.end() ? kNoProtocol : (*on_it)->kind().table.name;
-    lines.push_back({spec.name, std::string(protocol), line.settings().baud});
+    const SerialLine& line = bench.line(spec.name);
+    lines.push_back({spec.name, std::string(bench.protocol_of(spec.name)), line.settings().baud});
   }
   return lines;
 }

@@ -67,7 +67,31 @@ std::vector<std::string> motors_of(const YamlValue& value, const DriveKind& kind
   return motors;
 }
 
-DriveSpec drive_of(const YamlMap& map) {
+std::string line_of(const YamlValue& value, const std::vector<LineSpec>& lines) {
+  std::string name = value.text(40);
+  std::vector<std::string_view> names;
+  for (const LineSpec& line : lines) names.push_back(line.name);
+  if (std::ranges::find(names, name) == names.end()) value.fail(unknown_name("line", name, names));
+  return name;
+}
+
+// {can: LINE}: in the order of the drive's ports, the first one left out.
+std::vector<std::string> other_lines_of(const YamlValue& value, const DriveKind& kind,
+                                        const std::vector<LineSpec>& lines) {
+  const YamlMap map = value.map();
+  std::vector<std::string_view> names;
+  for (const PortKind& port : kind.ports) names.push_back(port.name);
+  names.erase(names.begin());
+  std::vector<std::string> others(names.size());
+  for (const std::string_view port : map.keys()) {
+    const auto it = std::ranges::find(names, port);
+    if (it == names.end()) map.fail_at_key(port, unknown_name("further port", port, names));
+    others[static_cast<std::size_t>(it - names.begin())] = line_of(map[port], lines);
+  }
+  return others;
+}
+
+DriveSpec drive_of(const YamlMap& map, const std::vector<LineSpec>& lines) {
   DriveSpec drive;
   const YamlValue kind_name = map["drive"];
   drive.kind = kind_name.text();
@@ -75,6 +99,7 @@ DriveSpec drive_of(const YamlMap& map) {
       at_place(kind_name, [&]() -> const DriveKind& { return find_drive(drive.kind); });
   if (map.has("motor")) drive.motors = motors_of(map["motor"], kind);
   if (map.has("load")) drive.load = load_of(map["load"], kind);
+  if (map.has("ports")) drive.other_lines = other_lines_of(map["ports"], kind, lines);
   if (map.has("lenient")) drive.lenient = map["lenient"].flag();
   return drive;
 }
@@ -104,20 +129,13 @@ std::vector<LineSpec> lines_of(const YamlValue& value) {
 std::vector<DriveSpec> drives_of(const YamlValue& value, const std::vector<LineSpec>& lines) {
   std::vector<DriveSpec> drives;
   std::vector<std::string> names;
-  std::vector<std::string_view> line_names;
-  for (const LineSpec& line : lines) line_names.push_back(line.name);
   for (const YamlValue& item : value.list(1, 16)) {
     const YamlMap map = checked_map(item, language::names(language::drive_keys()));
-    DriveSpec drive = drive_of(map);
+    DriveSpec drive = drive_of(map, lines);
     drive.name = map["name"].text(40);
     check_new(map["name"], "drive", drive.name, names);
     names.push_back(drive.name);
-    if (map.has("line")) {
-      drive.line = map["line"].text(40);
-      if (std::ranges::find(line_names, drive.line) == line_names.end()) {
-        map["line"].fail(unknown_name("line", drive.line, line_names));
-      }
-    }
+    if (map.has("line")) drive.line = line_of(map["line"], lines);
     drives.push_back(std::move(drive));
   }
   return drives;
@@ -149,10 +167,10 @@ BenchOptions read_bench(const YamlValue& value) {
     if (map.has("baud")) line.baud = baud_of(map["baud"]);
   }
   if (map.has("drives")) {
-    refuse_beside(map, "drives", {"drive", "motor", "load", "set", "lenient"});
+    refuse_beside(map, "drives", {"drive", "motor", "load", "set", "ports", "lenient"});
     options.drives = drives_of(map["drives"], options.lines);
   } else {
-    options.drives = {drive_of(map)};
+    options.drives = {drive_of(map, options.lines)};
   }
   return options;
 }

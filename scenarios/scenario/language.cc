@@ -166,6 +166,7 @@ const std::vector<Key>& drive_keys() {
       {"name", Shape::kText, "Goes before the names of its signals"},
       {"drive", Shape::kText, "The kind of drive"},
       {"line", Shape::kText, "The line it hangs on"},
+      {"ports", Shape::kNames, "Lines at its further ports: {ttl232: second, can: bus}"},
       {"motor", Shape::kAny, "The motor, or a list with one a channel"},
       {"load", Shape::kLoad, "The load: as --load, or kinds with their values"},
       {"set", Shape::kParameters, "Parameters that it starts with"},

@@ -10,6 +10,8 @@
 #include "devices/framers.h"
 #include "devices/md485/codec.h"
 #include "devices/rzt1/codec.h"
+#include "devices/slcan/codec.h"
+#include "devices/slcan/framer.h"
 #include "devices/toshiba_mcu/codec.h"
 #include "tests/devices/vectors.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -66,6 +68,18 @@ void modbus_round_trip(Direction direction, std::span<const std::uint8_t> bytes)
   VIRTDRIVE_CHECK(std::ranges::equal(again, bytes), "{}", frame.row->name);
 }
 
+// What is understood is written the same way again, but for the case of its digits.
+void slcan_round_trip(std::span<const std::uint8_t> bytes) {
+  slcan::Decoder decoder;
+  for (const std::uint8_t byte : bytes) {
+    if (decoder.push(byte) != slcan::Decoder::Event::kLine) continue;
+    const auto line = slcan::parse(decoder.line());
+    if (!line || line->command->when != slcan::When::kSending) continue;
+    const auto again = slcan::parse(slcan::text_of(line->frame));
+    VIRTDRIVE_CHECK(again && again->frame == line->frame, "{}", decoder.line());
+  }
+}
+
 template <class Decoder>
 void push_all(Decoder decoder, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) decoder.push(byte);
@@ -111,10 +125,11 @@ void decode(std::span<const std::uint8_t> bytes) {
   asd7_round_trip(false, bytes);
   asd7_round_trip(true, bytes);
   push_all(rzt1::Decoder(), bytes);
+  slcan_round_trip(bytes);
   push_all(rzt1::LineReplyDecoder(), bytes);
   for (const std::string_view protocol :
        {toshiba_mcu::kTable.name, md485::kTable.name, rzt1::kTable.name, asd7::kTable.name,
-        asd7_modbus::kTable.name}) {
+        asd7_modbus::kTable.name, slcan::kName}) {
     frames_each_byte_once(protocol, bytes);
   }
 }
@@ -126,6 +141,10 @@ std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
   for (const char* file : {"vectors_toshiba_mcu.csv", "vectors_rzt1.csv", "vectors_md485.csv",
                            "vectors_asd7.csv", "vectors_asd7_modbus.csv"}) {
     for (const Vector& vector : read_vectors(file)) seeds.push_back(vector.bytes);
+  }
+  for (const std::string_view line :
+       {"S5\rO\r", "T00B7AC01382E803\r", "t7FF81122334455667788\r", "R1FFFFFFF8\rF\rC\r"}) {
+    seeds.emplace_back(line.begin(), line.end());
   }
   return seeds;
 }

@@ -86,16 +86,16 @@ TEST(MdLine, APowerCycleForgetsWhatIsNotInTheFlash) {
 }
 
 TEST(MdServoLock, ComesToRestWhateverTheRotorsAngleAtTheStop) {
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 8; ++i) {
     Bench bench({.drives = {{.kind = "md200t"}}, .integrator = Integrator::kFast});
     LineTransport transport(bench.loop(), bench.line());
     Client host(transport);
     host.command(command(207), {1, -120, 1, 80, 0});
-    bench.run_for(2s + i * 7ms);
+    bench.run_for(1s + i * 11ms);
     host.command(command(207), {1, 0, 1, 0, 0});
-    bench.run_for(4s);
+    bench.run_for(3s);
     const double angle = bench.read("motor0.angle");
-    bench.run_for(2s);
+    bench.run_for(1s);
     EXPECT_NEAR(bench.read("motor0.angle"), angle, 0.1) << i;
     EXPECT_EQ(bench.read("drive0.speed"), 0) << i;
     EXPECT_EQ(bench.read("drive1.speed"), 0) << i;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "devices/md485/can_codec.h"
 #include "devices/protocol/binding.h"
 #include "devices/protocol/checksum.h"
 #include "tests/devices/vectors.h"
@@ -19,8 +20,11 @@ using Event = Decoder::Event;
 const CommandRow& command(std::uint16_t pid) {
   return *protocol::find(kTable.commands, pid);
 }
+const ParameterRow& parameter(std::uint16_t pid) {
+  return *protocol::find(kTable.parameters, pid);
+}
 const ParameterRow& main_data() {
-  return *protocol::find(kTable.parameters, 193);
+  return parameter(193);
 }
 Bytes golden(std::string_view name, bool request = true) {
   static const auto vectors = read_vectors("vectors_md485.csv");
@@ -55,6 +59,40 @@ TEST(Md485Codec, RequestsAreTheGoldenFrames) {
   EXPECT_EQ(encode_request({}, command(130), {1000}), golden("VEL_CMD_1000"));
   EXPECT_EQ(encode_request({}, command(130), {-1000}), golden("VEL_CMD_minus1000"));
   EXPECT_EQ(encode_request({.id = kAllControllers}, command(130), {0}), golden("VEL_CMD_all"));
+}
+
+TEST(Md485Codec, CommandsOfSeveralNumbersAreTheGoldenFrames) {
+  EXPECT_EQ(encode_request({}, command(207), {1, 120, 1, -80, 2}),
+            golden("PNT_VEL_both_return_main"));
+  EXPECT_EQ(encode_request({.id = kAllControllers}, command(207), {1, 300, 2, -300, 0}),
+            golden("PNT_VEL_ids_all"));
+  EXPECT_EQ(encode_request({}, command(206), {1, 1000, 300, 0, 0, 0, 1}), golden("PNT_POSI_VEL"));
+  EXPECT_EQ(encode_request({}, command(215), {1, 60, 1, -60, 0}), golden("PNT_INC_POSI"));
+  EXPECT_EQ(encode_request({}, command(219), {-100000, 1500}), golden("POSI_VEL_CMD"));
+  EXPECT_EQ(encode_request({}, command(164), {225, 3}), golden("REQ_PID_DATA2_step3"));
+}
+
+TEST(Md485Codec, WritesAreTheGoldenFrames) {
+  EXPECT_EQ(encode_request({.id = kAllControllers}, parameter(133), {0xAA, 7}),
+            golden("ID_to_7_all"));
+  EXPECT_EQ(encode_request({}, parameter(137), {0xAA, 4}), golden("ECAN_BITRATE_500k"));
+  EXPECT_EQ(encode_request({}, parameter(153), {300}), golden("SLOW_START_300"));
+  EXPECT_EQ(encode_request({}, parameter(226), {2, 600, 800}), golden("CURVE_PT_2"));
+  EXPECT_EQ(encode_request({}, parameter(239), {1000, 10}), golden("FUNC_SPEED"));
+}
+
+TEST(Md485Codec, AnswersAreTheGoldenFrames) {
+  EXPECT_EQ(encode_reply({}, parameter(196), {-500, 12, 340, 0, -60, 0x68}),
+            golden("MONITOR_12", false));
+  EXPECT_EQ(encode_reply({}, parameter(194), {0, 0, 0, 0x68, 0, 0, 4, 0, 0, 281, 10, 10, 102}),
+            golden("IO_MONITOR_17", false));
+  EXPECT_EQ(encode_reply({}, parameter(210), {120, 8, 0, 6000, -80, 5, 0, -4000}),
+            golden("PNT_MAIN_DATA", false));
+  EXPECT_EQ(encode_reply({}, parameter(216), {120, 0, 6000, -80, 0, -4000}),
+            golden("PNT_MONITOR", false));
+  EXPECT_EQ(encode_reply({}, parameter(227), {7, 300, -300}), golden("PRESET_DATA_dual", false));
+  const std::uint8_t heard[] = {0x82, 0xE8, 0x03};
+  EXPECT_EQ(encode_can_resend({}, extended_frame(0x00B7AC01, heard)), golden("CAN_RESEND", false));
 }
 
 TEST(Md485Codec, TheMonitorBlockIsSeventeenBytesWithTheHostsOwnNumberInFront) {

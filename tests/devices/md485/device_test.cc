@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/md485/client.h"
+#include "devices/protocol/binding.h"
 #include "devices/protocol/checksum.h"
 #include "tests/devices/md485/line_rig.h"
 
@@ -176,10 +178,48 @@ TEST(Md485Device, WhatWasWrittenIsThereAfterThePowerCameBack) {
   const md::Settings kept = stored_settings(rig.rig.model, rig.memory);
   EXPECT_EQ(kept.max_rpm, 1234);
   EXPECT_EQ(kept.curve[1].y, 400);
-  auto block = *rig.memory.read("settings");
-  block[20] ^= 1;
-  rig.memory.write("settings", block);
-  EXPECT_EQ(stored_settings(rig.rig.model, rig.memory).max_rpm, 3000);  // damaged: the model's own
+}
+
+TEST(Md485Device, DamagedSettingsAreToldAndReplacedByTheModelsOwn) {
+  LineRig rig;
+  rig.send(221, le16(1234));
+  std::vector<std::string> notes;
+  const auto note = [&](std::string_view text) { notes.emplace_back(text); };
+  EXPECT_EQ(stored_settings(rig.rig.model, rig.memory, note).max_rpm, 1234);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_EQ(stored_settings(md::model_named("md200"), rig.memory, note).max_rpm, 3000);
+  const auto good = *rig.memory.read("settings");
+  for (const std::size_t size : {std::size_t{0}, good.size() / 2}) {
+    rig.memory.write("settings", std::span(good).first(size));
+    EXPECT_EQ(stored_settings(rig.rig.model, rig.memory, note).max_rpm, 3000);
+  }
+  for (std::size_t at = 0; at < good.size(); at += 7) {
+    auto block = good;
+    block[at] ^= 1;
+    rig.memory.write("settings", block);
+    EXPECT_EQ(stored_settings(rig.rig.model, rig.memory, note).max_rpm, 3000) << at;
+  }
+  EXPECT_EQ(notes.front(),
+            "the stored settings are of another model or version: md200 starts with its own");
+  EXPECT_EQ(notes.back(), "the stored settings are damaged: md400 starts with its own");
+  EXPECT_EQ(notes.size(), 1 + 2 + (good.size() + 6) / 7);
+}
+
+TEST(Md485Device, WhoDrivesAtPowerUpIsASetting) {
+  LineRig rig;
+  rig.rig.pins().cw = false;
+  rig.rig.pins().speed_v = 2.5;
+  rig.rig.run_for(1s);
+  EXPECT_GT(rig.rig.speed_rpm(), 500);
+  rig.send(78, {1});
+  EXPECT_TRUE(rig.rig.controller->frames_drive());
+  rig.send(78, {0});
+  EXPECT_FALSE(rig.rig.controller->frames_drive());
+  md::Settings settings = rig.rig.controller->settings();
+  settings.ui_com = 1;
+  EventLoop loop;
+  md::Controller other(loop, {}, rig.rig.model, settings, Seed{1});
+  EXPECT_TRUE(other.frames_drive());
 }
 
 TEST(Md485Device, TheDefaultSettingLeavesIdAndBaudRate) {
@@ -215,10 +255,11 @@ TEST(Md485Device, TheNextFrameWaitsForTheFlash) {
 
 TEST(Md485Device, WhatNothingActsOnIsNotedOnce) {
   LineRig rig;
-  rig.send(78, {1});
-  rig.send(78, {0});
+  rig.send(45, {1});
+  rig.send(45, {0});
   rig.send(24, {1});
-  EXPECT_EQ(rig.notes, (std::vector<std::string>{"PID_UI_COM is stored, but nothing acts on it"}));
+  EXPECT_EQ(rig.notes,
+            (std::vector<std::string>{"PID_BLUETOOTH is stored, but nothing acts on it"}));
 }
 
 TEST(Md485Device, AStartUpAsHostsOfTodayDoItIsTaken) {
@@ -238,6 +279,35 @@ TEST(Md485Device, AStartUpAsHostsOfTodayDoItIsTaken) {
   LineRig strict("md400t", Profile::kStrict);
   strict.send(185, le16(10));
   EXPECT_FALSE(strict.data(185));
+}
+
+TEST(Md485Client, AValueThatIsNotTakenIsARefusal) {
+  LineRig rig;
+  Client client(rig);
+  const auto row = [](std::uint16_t pid) -> const ParameterRow& {
+    return *protocol::find(kTable.parameters, pid);
+  };
+  client.set(row(221), {1500});
+  client.set(row(225), {3, -700});
+  client.set(row(137), {4});
+  client.set(row(203), {10, 400, 500});
+  const auto held = [&](std::uint16_t pid, const protocol::Values& values) -> std::int64_t {
+    try {
+      client.set(row(pid), values);
+    } catch (const DriveRefused& refused) {
+      return refused.code();
+    }
+    return -1;
+  };
+  EXPECT_EQ(held(153, {2000}), 1023);
+  EXPECT_EQ(held(24, {6}), 0);
+  EXPECT_EQ(held(222, {100, 300}), 512);
+  EXPECT_EQ(held(133, {254}), 1);
+  EXPECT_EQ(held(133, {255}), 1);
+  client.set(row(133), {9});
+  EXPECT_EQ(client.id(), 9);
+  EXPECT_EQ(client.read(row(221))[0], 1500);
+  EXPECT_THROW(client.read(row(200)), DriveSilent);
 }
 
 // --- Two motors ----------------------------------------------------------------------------------

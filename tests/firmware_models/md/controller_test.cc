@@ -200,6 +200,97 @@ TEST(MdControl, APhaseLeadMakesItFasterAtFullOutput) {
   EXPECT_GT(rpm[1], rpm[0] + 20);
 }
 
+TEST(MdControl, OverModulationGivesMoreSpeedWithMoreRipple) {
+  const auto run = [](int over_modulation) {
+    Rig rig;
+    rig.change(&Settings::over_modulation, over_modulation);
+    rig.change(&Settings::max_rpm, 6000);
+    rig.load(&Load::brake_torque_nm, 0.8);
+    rig.order().open_loop(1023);
+    rig.run_for(1500ms);
+    double most = 0, least = 1e9;
+    for (int i = 0; i < 200; ++i) {
+      rig.run_for(100us);
+      most = std::max(most, rig.axis().torque_nm());
+      least = std::min(least, rig.axis().torque_nm());
+    }
+    return std::pair(rig.speed_rpm(), most - least);
+  };
+  const auto [plain_rpm, plain_ripple] = run(0);
+  const auto [rpm, ripple] = run(1);
+  EXPECT_GT(rpm, 1.005 * plain_rpm);
+  EXPECT_GT(ripple, plain_ripple);
+}
+
+TEST(MdControl, TheSecondsOfASlowStartAreASetting) {
+  Rig rig;
+  rig.change(&Settings::max_ss_time, 4);
+  rig.change(&Settings::slow_start, 1023);
+  rig.order().speed(3000);
+  rig.run_for(1s);
+  EXPECT_NEAR(rig.motor().reference_rpm(), 750, 5);
+}
+
+TEST(MdControl, WhileItBrakesTheResistorsDutyIsTold) {
+  Rig rig("mda1k", 1,
+          {.on_v = 390,
+           .off_v = 380,
+           .resistance_ohm = 100,
+           .heat_capacity_j_per_k = 200,
+           .ambient_k_per_w = 0.5});
+  rig.change(&Settings::regeneration, 1);
+  rig.change(&Settings::p_gain, 2000);
+  rig.load(&Load::inertia_kgm2, 5e-3);
+  rig.order().speed(2500);
+  rig.run_for(3s);
+  EXPECT_EQ(rig.controller->brake_duty(), 0);
+  rig.order().speed(0);
+  double most = 0;
+  for (int i = 0; i < 300; ++i) {
+    rig.run_for(1ms);
+    most = std::max(most, rig.controller->brake_duty());
+  }
+  EXPECT_GT(most, 0.2);
+  EXPECT_LE(most, 1);
+  EXPECT_LT(rig.axis().bus().voltage_v(), 400);
+  EXPECT_EQ(rig.motor().status(), kNoAlarm);
+  rig.run_for(2s);
+  EXPECT_LT(rig.controller->brake_duty(), 0.01);
+}
+
+// 4 x 1000 counts a turn; Hall edges give 30. The sign of positions is the other one.
+TEST(MdControl, AnEncoderMayGiveThePositionToo) {
+  Rig rig;
+  rig.controller->stage(0).set_sensors({.encoder = {.lines = 1000}});
+  rig.change(&Settings::enc_ppr, 1000);
+  rig.change(&Settings::use_eposi, 1);
+  rig.order().speed(300);
+  rig.run_for(2s);
+  const double turns = rig.axis().state().angle_rad / (2 * std::numbers::pi);
+  EXPECT_NEAR(rig.motor().position(), -4000 * turns, 25);
+  rig.controller->set_position(0, 0);
+  rig.order().move_to(6000, 300);
+  rig.run_for(5s);
+  EXPECT_NEAR(rig.motor().position(), 6000, 3);
+  const double moved = rig.axis().state().angle_rad / (2 * std::numbers::pi) - turns;
+  EXPECT_NEAR(moved, -1.5, 0.01);
+  rig.order().move_by(-2000, 300);
+  rig.run_for(5s);
+  EXPECT_NEAR(rig.motor().position(), 4000, 20);
+}
+
+TEST(MdControl, AnEncoderKeepsASpeedThatHallEdgesAreTooRareFor) {
+  Rig rig;
+  rig.controller->stage(0).set_sensors({.encoder = {.lines = 2500}});
+  rig.change(&Settings::enc_ppr, 2500);
+  rig.order().speed(-20);
+  rig.run_for(2s);
+  for (int i = 0; i < 50; ++i) {
+    rig.run_for(10ms);
+    ASSERT_NEAR(rig.speed_rpm(), -20, 4);
+  }
+}
+
 TEST(MdControl, AnEncoderGivesTheSpeedAndItsLossIsSeen) {
   Rig rig;
   rig.change(&Settings::enc_ppr, 1000);
@@ -340,6 +431,18 @@ TEST(MdProtections, OverLoadAfterFourSecondsAboveMaxLoad) {
   EXPECT_GT(time, 4s);
   EXPECT_LT(time, 6s);
   EXPECT_EQ(rig.motor().status(), kAlarm | kOverLoad);
+}
+
+// 1.6 Nm take 13.5 A; 150 % of a MAX_LOAD of 6 A are 9 A.
+TEST(MdProtections, OverLoadAtOnceWhenTheLoadTakesMoreThanOneAndAHalfTimesMaxLoad) {
+  Rig rig;
+  rig.order().speed(1000);
+  rig.load(&Load::brake_torque_nm, 1.6);
+  rig.run_for(2s);
+  EXPECT_EQ(rig.motor().status(), kNoAlarm);
+  rig.change(&Settings::max_load, 60);
+  EXPECT_LE(rig.run_to_status(kAlarm | kOverLoad), 3ms);
+  EXPECT_EQ(rig.motor().type(), ControlType::kOff);
 }
 
 TEST(MdProtections, OverLoadAtOnceAboveHalfAsMuchAgain) {

@@ -33,9 +33,14 @@ inline AxisParameters test_axis(const Model& model) {
 
 class Rig {
  public:
-  explicit Rig(std::string_view name = "md400", std::uint64_t seed = 1)
+  explicit Rig(std::string_view name = "md400", std::uint64_t seed = 1,
+               const BrakeChopper& chopper = {})
       : model(model_named(name)), settings_(default_settings(model)) {
-    const AxisParameters parameters = test_axis(model);
+    AxisParameters parameters = test_axis(model);
+    if (chopper.on_v > 0) {
+      parameters.link.chopper = chopper;
+      parameters.link.resistance_ohm = 1;  // a rectifier: takes nothing back
+    }
     const DcBus bus(parameters.link, Integrator::kFast);
     for (std::size_t i = 0; i < model.motors; ++i) axes_.emplace_back(parameters, bus);
     for (Axis& axis : axes_) pointers_.push_back(&axis);
