@@ -13,9 +13,6 @@ using std::numbers::pi;
 using std::numbers::sqrt2;
 using std::numbers::sqrt3;
 
-constexpr double kHundredth = 0.01;
-constexpr double kTurnS = 250e-6;
-
 // Overvoltage limit: what share of its level the two actions span, and where raising begins.
 constexpr double kLimitSpan = 0.06, kRaiseFrom = 0.97;
 // Riding through lives on the load's energy from this much above MOFF on.
@@ -181,15 +178,15 @@ VoltageCurve AcDrive::Impl::curve() const {
 }
 
 void AcDrive::Impl::modulate(double hz, double line_v, double step_s) {
-  constexpr double kTurn = 2 * pi;
+  constexpr double kCircle = 2 * pi;
   const double way = reverse_ ? -1 : 1;
   if (settings_.supply_correction < 2) line_v *= bus_v_ / link_nominal_v_;
   line_v = std::min(line_v, bus_v_ / sqrt2);
   output_hz_ = way * hz;
   // The vector stands for the coming turn: that of its middle.
-  angle_rad_ += kTurn * output_hz_ * std::min(step_s, kTurnS);
-  if (std::fabs(angle_rad_) > kTurn) angle_rad_ = std::fmod(angle_rad_, kTurn);
-  const Rotation r(angle_rad_ + kTurn * output_hz_ * kTurnS / 2);
+  angle_rad_ += kCircle * output_hz_ * std::min(step_s, kTurnS);
+  if (std::fabs(angle_rad_) > kCircle) angle_rad_ = std::fmod(angle_rad_, kCircle);
+  const Rotation r(angle_rad_ + kCircle * output_hz_ * kTurnS / 2);
   const double peak_v = line_v * sqrt2 / sqrt3;
   voltage_ = stage_.put({peak_v * r.cosine, peak_v * r.sine}, bus_v_);
   line_v_ = line_v;
@@ -211,7 +208,7 @@ void AcDrive::Impl::estimate(double step_s) {
   const double gap_w = power_w - 3 * model_.stator_ohm * now_.current2;
   search_w_ += std::min(1.0, step_s / kSearchFilterS) * (gap_w - search_w_);
   const double hz = std::fabs(output_hz_);
-  const double pairs = std::round(60 * model_.supply_hz / settings_.rated_rpm - 0.4);
+  const double pairs = std::round(60 * model_.supply_hz / settings_.rated_rpm);
   const double torque_nm = hz > 1 ? gap_w * pairs / (2 * pi * hz) : 0;
   torque_nm_ += gain * (torque_nm - torque_nm_);
   const double rated_nm = model_.power_w / (settings_.rated_rpm * pi / 30);

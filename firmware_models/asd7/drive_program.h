@@ -58,6 +58,11 @@ class AcDrive::Impl {
   double process_hz() const { return (reverse_ ? -1 : 1) * wanted_hz_; }
 
  private:
+  /// The modulator's, while the output is on. Assumed.
+  static constexpr SimDuration kTurn = std::chrono::microseconds(250);
+  static constexpr double kTurnS = 250e-6;
+  static constexpr double kHundredth = 0.01;  // Hz, of a register
+
   /// kDead: no supply, or it starts; kResetting: the same after a reset.
   enum class Life : std::uint8_t { kDead, kResetting, kAlive };
   /// From kSearching on the output is on.
