@@ -39,10 +39,7 @@ double share(double value) {
 }  // namespace
 
 void AcDrive::Impl::run(double step_s) {
-  if (!output_on()) {
-    stalled_ = false;
-    return;
-  }
+  if (!output_on()) return;
   if (stage_.on()) estimate(step_s);
   switch (state_) {
     case State::kSearching:
@@ -137,15 +134,15 @@ void AcDrive::Impl::ramp(double step_s) {
   const std::uint16_t level = request_.second_motor ? s.stall_level2 : s.stall_level1;
   const int guard = s.motor_guard % 4;
   const bool stall = (guard == 0 || guard == 2) && level < 200;
-  stalled_ = stall && current_a_ > level * 0.01 * model_.rated_current_a;
+  const bool stalled = stall && current_a_ > level * 0.01 * model_.rated_current_a;
   if (raise_hz_ < 0) {
     const double depth = -raise_hz_ / model_.limit_raise_hz;
     rate.down_hz_per_s = kRideHzPerS * depth;
     rate.shape = RampShape::kLinear;
     ramp_.follow(std::min(ramp_.hz(), start_hz), rate, step_s);
-  } else if (stalled_ && target < ramp_.hz()) {
+  } else if (stalled && target < ramp_.hz()) {
     ramp_.hold();
-  } else if (stalled_) {
+  } else if (stalled) {
     rate.shape = RampShape::kLinear;
     ramp_.follow(std::min(ramp_.hz(), start_hz), rate, step_s);
   } else {

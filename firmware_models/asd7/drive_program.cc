@@ -501,20 +501,19 @@ double AcDrive::Impl::output_hz() const {
 std::uint16_t AcDrive::Impl::status() const {
   if (!alive()) return 0;
   unsigned bits = 0;
-  if (alarms_ != 0) bits |= kStatusAlarm;
+  if ((alarms_ & ~kAlarmUnderVoltage) != 0) bits |= kStatusAlarm;
   if (tripped()) {
     bits = kStatusTripped;
     if (state_ == State::kTripped) bits |= kStatusFault;
     if (trip_ == Trip::kE) bits |= kStatusEmergency;
     return static_cast<std::uint16_t>(bits);
   }
-  if (undervoltage_) bits = kStatusUnderVoltage | kStatusAlarm;
-  if (!undervoltage_) bits |= kStatusReady;
+  bits |= undervoltage_ ? kStatusUnderVoltage : kStatusReady;
   if (request_.second_motor) bits |= kStatusSecondMotor;
   if (settings_.pi_control != 0 && request_.pi_off) bits |= kStatusPiOff;
   if (request_.second_ramp) bits |= kStatusSecondRamp;
   if (request_.coast) bits |= kStatusCoast;
-  if (request_.run && !request_.coast) bits |= kStatusRunRequested;
+  if (request_.run && !request_.coast && !undervoltage_) bits |= kStatusRunRequested;
   if (output_on()) {
     bits |= kStatusRunning;
     if (reverse_) bits |= kStatusReverse;

@@ -170,7 +170,6 @@ class AcDrive::Impl {
   double line_v_ = 0;                                                    // put out, rms
   double active_a_ = 0, reactive_a_ = 0, output_w_ = 0, torque_nm_ = 0;  // filtered
   double speed_hz_ = 0, filtered_hz_ = 0;
-  bool stalled_ = false;
   double last_hz_ = 0;  // before the output went off
   bool last_reverse_ = false;
   bool search_wanted_ = false;

@@ -221,7 +221,7 @@ TEST(Asd7Drive, APumpHoldsItsPressureByPiControl) {
   b.set([](Settings& s) {
     s.pi_control = 1;
     s.pi_proportional = 50;
-    s.pi_integral = 100;
+    s.pi_integral = 40;
   });
   // A transducer of 0..8 bar on VIA, whose 0..100 % stand for 0..60 Hz: 30 Hz ask for 4 bar.
   Pump pump({.rated_radps = b.rated_radps(), .rated_bar = 6, .shutoff_bar = 8});
@@ -244,7 +244,7 @@ TEST(Asd7Drive, APumpHoldsItsPressureByPiControl) {
   EXPECT_NEAR(pump.pressure_bar(), 4, 0.05);
   EXPECT_GT(b.hz(), hz + 2) << "more consumers, more speed";
   b.drive.set_command(0xc420);  // PI off
-  b.run(2s);
+  b.run(5s);
   EXPECT_EQ(b.hz(), 30);
 }
 
@@ -607,7 +607,7 @@ TEST(Asd7Drive, ALongerOneStopsTheOutputAndItStartsAgainFromZero) {
   b.run(8s);
   b.mains(false);
   b.run(120ms);
-  EXPECT_EQ(b.status() & (kStatusUnderVoltage | kStatusRunning), kStatusUnderVoltage);
+  EXPECT_EQ(b.status(), 0x0008);
   EXPECT_NE(b.drive.alarms() & kAlarmUnderVoltage, 0);
   b.mains(true);
   b.run(600ms);
