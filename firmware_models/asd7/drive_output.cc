@@ -84,8 +84,7 @@ RampRate AcDrive::Impl::ramp_rate() const {
 
 double AcDrive::Impl::wanted_hz(double step_s) {
   const Settings& s = settings_;
-  const bool pi = s.pi_control != 0 && !request_.pi_off && !request_.jog;
-  if (!pi) {
+  if (!pi_controls()) {
     pi_runs_ = false;
     return request_.hz;
   }

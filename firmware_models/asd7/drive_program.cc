@@ -415,8 +415,7 @@ void AcDrive::Impl::decide_standing(double) {
     return;
   }
   const double start_hz = settings_.start_frequency * kHundredth;
-  const bool pi = settings_.pi_control != 0 && !request_.pi_off && !request_.jog;
-  if (!request_.run || !may_run() || (request_.hz < start_hz && !pi)) return;
+  if (!request_.run || !may_run() || (request_.hz < start_hz && !pi_controls())) return;
   begin_output();
 }
 

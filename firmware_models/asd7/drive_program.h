@@ -96,6 +96,9 @@ class AcDrive::Impl {
   void retry();
   void count(double step_s);
   bool may_run() const;
+  bool pi_controls() const {
+    return settings_.pi_control != 0 && !request_.pi_off && !request_.jog;
+  }
   bool reset_allowed() const;
   SimDuration next_step() const;
 
