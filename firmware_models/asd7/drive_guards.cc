@@ -147,7 +147,9 @@ void AcDrive::Impl::guard_load(double step_s) {
 
 void AcDrive::Impl::look_at_alarms() {
   unsigned bits = alarms_ & (kAlarmLowCurrent | kAlarmOverTorque);
-  if (stalled_) bits |= kAlarmOverCurrent;
+  const double stall_level =
+      (request_.second_motor ? settings_.stall_level2 : settings_.stall_level1) * 0.01;
+  if (current_a_ > stall_level * model_.rated_current_a) bits |= kAlarmOverCurrent;
   if (inverter_.level() >= kAlarmLevel) bits |= kAlarmInverterOverload;
   if (motor_.level() >= kAlarmLevel) bits |= kAlarmMotorOverload;
   if (resistor_.level() >= kAlarmLevel) bits |= kAlarmResistorOverload;

@@ -13,9 +13,6 @@ using std::numbers::pi;
 using std::numbers::sqrt2;
 using std::numbers::sqrt3;
 
-constexpr double kHundredth = 0.01;
-constexpr double kTurnS = 250e-6;
-
 // Overvoltage limit: what share of its level the two actions span, and where raising begins.
 constexpr double kLimitSpan = 0.06, kRaiseFrom = 0.97;
 // Riding through lives on the load's energy from this much above MOFF on.
@@ -42,10 +39,7 @@ double share(double value) {
 }  // namespace
 
 void AcDrive::Impl::run(double step_s) {
-  if (!output_on()) {
-    stalled_ = false;
-    return;
-  }
+  if (!output_on()) return;
   if (stage_.on()) estimate(step_s);
   switch (state_) {
     case State::kSearching:
@@ -90,8 +84,7 @@ RampRate AcDrive::Impl::ramp_rate() const {
 
 double AcDrive::Impl::wanted_hz(double step_s) {
   const Settings& s = settings_;
-  const bool pi = s.pi_control != 0 && !request_.pi_off && !request_.jog;
-  if (!pi) {
+  if (!pi_controls()) {
     pi_runs_ = false;
     return request_.hz;
   }
@@ -140,15 +133,15 @@ void AcDrive::Impl::ramp(double step_s) {
   const std::uint16_t level = request_.second_motor ? s.stall_level2 : s.stall_level1;
   const int guard = s.motor_guard % 4;
   const bool stall = (guard == 0 || guard == 2) && level < 200;
-  stalled_ = stall && current_a_ > level * 0.01 * model_.rated_current_a;
+  const bool stalled = stall && current_a_ > level * 0.01 * model_.rated_current_a;
   if (raise_hz_ < 0) {
     const double depth = -raise_hz_ / model_.limit_raise_hz;
     rate.down_hz_per_s = kRideHzPerS * depth;
     rate.shape = RampShape::kLinear;
     ramp_.follow(std::min(ramp_.hz(), start_hz), rate, step_s);
-  } else if (stalled_ && target < ramp_.hz()) {
+  } else if (stalled && target < ramp_.hz()) {
     ramp_.hold();
-  } else if (stalled_) {
+  } else if (stalled) {
     rate.shape = RampShape::kLinear;
     ramp_.follow(std::min(ramp_.hz(), start_hz), rate, step_s);
   } else {
@@ -181,15 +174,15 @@ VoltageCurve AcDrive::Impl::curve() const {
 }
 
 void AcDrive::Impl::modulate(double hz, double line_v, double step_s) {
-  constexpr double kTurn = 2 * pi;
+  constexpr double kCircle = 2 * pi;
   const double way = reverse_ ? -1 : 1;
   if (settings_.supply_correction < 2) line_v *= bus_v_ / link_nominal_v_;
   line_v = std::min(line_v, bus_v_ / sqrt2);
   output_hz_ = way * hz;
   // The vector stands for the coming turn: that of its middle.
-  angle_rad_ += kTurn * output_hz_ * std::min(step_s, kTurnS);
-  if (std::fabs(angle_rad_) > kTurn) angle_rad_ = std::fmod(angle_rad_, kTurn);
-  const Rotation r(angle_rad_ + kTurn * output_hz_ * kTurnS / 2);
+  angle_rad_ += kCircle * output_hz_ * std::min(step_s, kTurnS);
+  if (std::fabs(angle_rad_) > kCircle) angle_rad_ = std::fmod(angle_rad_, kCircle);
+  const Rotation r(angle_rad_ + kCircle * output_hz_ * kTurnS / 2);
   const double peak_v = line_v * sqrt2 / sqrt3;
   voltage_ = stage_.put({peak_v * r.cosine, peak_v * r.sine}, bus_v_);
   line_v_ = line_v;
@@ -211,7 +204,7 @@ void AcDrive::Impl::estimate(double step_s) {
   const double gap_w = power_w - 3 * model_.stator_ohm * now_.current2;
   search_w_ += std::min(1.0, step_s / kSearchFilterS) * (gap_w - search_w_);
   const double hz = std::fabs(output_hz_);
-  const double pairs = std::round(60 * model_.supply_hz / settings_.rated_rpm - 0.4);
+  const double pairs = std::round(60 * model_.supply_hz / settings_.rated_rpm);
   const double torque_nm = hz > 1 ? gap_w * pairs / (2 * pi * hz) : 0;
   torque_nm_ += gain * (torque_nm - torque_nm_);
   const double rated_nm = model_.power_w / (settings_.rated_rpm * pi / 30);

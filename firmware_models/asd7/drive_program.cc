@@ -12,9 +12,8 @@ using namespace std::chrono_literals;
 using std::numbers::pi;
 using std::numbers::sqrt2;
 
-// The modulator's turn while the output is on, and how often the program looks while it is off.
-// Assumed.
-constexpr SimDuration kTurn = 250us, kIdleTurn = 2ms, kDeadTurn = 10ms;
+// How often the program looks while the output is off, and while the CPU is dead. Assumed.
+constexpr SimDuration kIdleTurn = 2ms, kDeadTurn = 10ms;
 constexpr SimDuration kStart = 1s;  // of the CPU, while the link charges
 constexpr SimDuration kResetSilence = 2s;
 constexpr SimDuration kContactDelay = 300ms;
@@ -22,7 +21,6 @@ constexpr SimDuration kRetryAfter = 1s;
 constexpr SimDuration kSecondStop = 1s;  // two STOP keys within this: emergency
 constexpr SimDuration kOl1Cools = 30s, kOlCools = 120s;
 constexpr double kRetriesForgottenS = 10;
-constexpr double kHundredth = 0.01;
 
 bool may_retry(Trip trip) {
   switch (trip) {
@@ -417,8 +415,7 @@ void AcDrive::Impl::decide_standing(double) {
     return;
   }
   const double start_hz = settings_.start_frequency * kHundredth;
-  const bool pi = settings_.pi_control != 0 && !request_.pi_off && !request_.jog;
-  if (!request_.run || !may_run() || (request_.hz < start_hz && !pi)) return;
+  if (!request_.run || !may_run() || (request_.hz < start_hz && !pi_controls())) return;
   begin_output();
 }
 
@@ -503,20 +500,19 @@ double AcDrive::Impl::output_hz() const {
 std::uint16_t AcDrive::Impl::status() const {
   if (!alive()) return 0;
   unsigned bits = 0;
-  if (alarms_ != 0) bits |= kStatusAlarm;
+  if ((alarms_ & ~kAlarmUnderVoltage) != 0) bits |= kStatusAlarm;
   if (tripped()) {
     bits = kStatusTripped;
     if (state_ == State::kTripped) bits |= kStatusFault;
     if (trip_ == Trip::kE) bits |= kStatusEmergency;
     return static_cast<std::uint16_t>(bits);
   }
-  if (undervoltage_) bits = kStatusUnderVoltage | kStatusAlarm;
-  if (!undervoltage_) bits |= kStatusReady;
+  bits |= undervoltage_ ? kStatusUnderVoltage : kStatusReady;
   if (request_.second_motor) bits |= kStatusSecondMotor;
   if (settings_.pi_control != 0 && request_.pi_off) bits |= kStatusPiOff;
   if (request_.second_ramp) bits |= kStatusSecondRamp;
   if (request_.coast) bits |= kStatusCoast;
-  if (request_.run && !request_.coast) bits |= kStatusRunRequested;
+  if (request_.run && !request_.coast && !undervoltage_) bits |= kStatusRunRequested;
   if (output_on()) {
     bits |= kStatusRunning;
     if (reverse_) bits |= kStatusReverse;
@@ -562,7 +558,8 @@ Monitor AcDrive::Impl::monitor() const {
   m.resistor_overload = unsigned_of(resistor_.level() * 100);
   m.motor_load = unsigned_of(motor_a > 0 ? shown_current_a_ / motor_a * 100 : 0);
   m.inverter_load = unsigned_of(shown_current_a_ / rated_a * 100);
-  const double lost_w = 0.012 * bus_shown_v_ * shown_current_a_ + model_.standing_load_w;
+  const double lost_w =
+      inverter_of(model_).loss_share * bus_shown_v_ * shown_current_a_ + model_.standing_load_w;
   m.input_power = unsigned_of(std::max(0.0, output_w_ + lost_w) / 10);
   m.output_power = unsigned_of(std::max(0.0, output_w_) / 10);
   m.via = t.via;

@@ -58,6 +58,11 @@ class AcDrive::Impl {
   double process_hz() const { return (reverse_ ? -1 : 1) * wanted_hz_; }
 
  private:
+  /// The modulator's, while the output is on. Assumed.
+  static constexpr SimDuration kTurn = std::chrono::microseconds(250);
+  static constexpr double kTurnS = 250e-6;
+  static constexpr double kHundredth = 0.01;  // Hz, of a register
+
   /// kDead: no supply, or it starts; kResetting: the same after a reset.
   enum class Life : std::uint8_t { kDead, kResetting, kAlive };
   /// From kSearching on the output is on.
@@ -91,6 +96,9 @@ class AcDrive::Impl {
   void retry();
   void count(double step_s);
   bool may_run() const;
+  bool pi_controls() const {
+    return settings_.pi_control != 0 && !request_.pi_off && !request_.jog;
+  }
   bool reset_allowed() const;
   SimDuration next_step() const;
 
@@ -165,7 +173,6 @@ class AcDrive::Impl {
   double line_v_ = 0;                                                    // put out, rms
   double active_a_ = 0, reactive_a_ = 0, output_w_ = 0, torque_nm_ = 0;  // filtered
   double speed_hz_ = 0, filtered_hz_ = 0;
-  bool stalled_ = false;
   double last_hz_ = 0;  // before the output went off
   bool last_reverse_ = false;
   bool search_wanted_ = false;

@@ -107,8 +107,9 @@ struct Settings {
   std::uint16_t pi_integral = 20;      // F363, 0.01 / s
 
   // --- Motor ---
-  std::uint16_t slip_gain = 70;        // F401, %
-  std::uint16_t boost_gain = 49;       // F402, 0.1 % of the motor's voltage per rated current: 0.7 of the stator's drop
+  std::uint16_t slip_gain = 70;  // F401, %
+  std::uint16_t boost_gain =
+      49;  // F402, 0.1 % of the motor's voltage per rated current: 0.7 of the stator's drop
   std::uint16_t rated_current = 30;    // F415, 0.1 A
   std::uint16_t no_load_current = 65;  // F416, % of rated_current
   std::uint16_t rated_rpm = 1722;      // F417

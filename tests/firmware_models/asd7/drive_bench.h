@@ -68,6 +68,8 @@ class DriveBench {
     loop.run_until(begin + limit, [this] { return drive.tripped(); });
     return seconds(loop.now() - begin);
   }
+  /// From standstill to 60 Hz by the default ramp, and a second.
+  SimDuration run_up() const { return from_seconds(settings.acceleration1 * 0.1 * 60 / 80) + 1s; }
   double rated_nm() const { return motor.rating.torque_nm; }
   double rated_radps() const { return motor.rating.speed_rpm * 3.14159265358979 / 30; }
   /// k w^2 that asks for a share of the rated torque at the rated speed.
