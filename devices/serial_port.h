@@ -9,6 +9,8 @@
 
 namespace virtdrive {
 
+enum class Parity : std::uint8_t { kNone, kEven, kOdd };
+
 /// A device's transmitter.
 class SerialPort {
  public:
@@ -18,6 +20,8 @@ class SerialPort {
   virtual SimTime send(std::span<const std::uint8_t> bytes) = 0;
   /// The device sets its UART to another baud rate; without effect where there is no wire.
   virtual void set_baud(int) {}
+  /// Likewise to another parity.
+  virtual void set_parity(Parity) {}
 };
 
 /// A device's receiver: called in Phase::kBytes, at the instant a byte's last bit has arrived.

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "core/sim_time.h"
+#include "devices/serial_port.h"
 
 namespace virtdrive {
 
 enum class LineTiming : std::uint8_t { kReal, kIdeal };  // kIdeal: no character times
-enum class Parity : std::uint8_t { kNone, kEven, kOdd };
 
 struct LineSettings {
   LineTiming timing = LineTiming::kReal;

@@ -63,6 +63,12 @@ void LineEnd::set_baud(int baud) {
   set_settings(settings);
 }
 
+void LineEnd::set_parity(Parity parity) {
+  LineSettings settings = settings_;
+  settings.parity = parity;
+  set_settings(settings);
+}
+
 void LineEnd::set_settings(const LineSettings& settings) {
   check_settings(settings);
   settings_ = settings;

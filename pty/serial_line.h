@@ -61,6 +61,7 @@ class LineEnd final : public SerialPort {
 
   /// What is queued keeps its settings. The timing is the line's.
   void set_baud(int baud) override;
+  void set_parity(Parity parity) override;
   void set_settings(const LineSettings& settings);
   const LineSettings& settings() const { return settings_; }
 

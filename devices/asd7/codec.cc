@@ -15,7 +15,9 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr protocol::ByteOrder kOrder = kTable.framing.order;
 constexpr std::size_t kNumberDigits = 4;
-constexpr std::size_t kMostDigits = 4;
+constexpr std::size_t most_digits(Format format) {
+  return is_wide(format) ? 8 : 4;
+}
 
 // --- Values --------------------------------------------------------------------------------------
 
@@ -24,7 +26,7 @@ Field data_field(const ParameterRow* row, Format format) {
   const bool sign = row != nullptr && protocol::is_signed(row->type);
   const WireType narrow = sign ? WireType::kI16 : WireType::kU16;
   const WireType wide = sign ? WireType::kI32 : WireType::kU32;
-  return {.name = "data", .type = format == Format::kBinary32 ? wide : narrow};
+  return {.name = "data", .type = is_wide(format) ? wide : narrow};
 }
 
 std::vector<Field> with_data(std::span<const Field> fields, const Field& data) {
@@ -43,7 +45,7 @@ std::span<const Field> fields_of(const CommandRow& row, Direction direction) {
 
 // Reads the payload, whose first number tells the parameter and so the sign of the data.
 void read(Message& message, std::span<const Field> fields, Bytes payload) {
-  if (message.row != &kErrorReply) {
+  if (message.row != &kErrorReply) {  // else the first number is the error's code
     const auto number = protocol::load(payload, WireType::kU16, kOrder);
     message.parameter = protocol::find(kTable.parameters, static_cast<std::uint16_t>(number));
   }
@@ -56,7 +58,12 @@ const CommandRow* find_command(char c, Direction direction) {
   const bool reply = direction == Direction::kReply;
   const char upper = reply ? protocol::to_upper(c) : c;
   if (reply && upper == static_cast<char>(kErrorReply.code)) return &kErrorReply;
-  return protocol::find(kTable.commands, static_cast<std::uint8_t>(upper));
+  const CommandRow* row = protocol::find(kTable.commands, static_cast<std::uint8_t>(upper));
+  return row != nullptr && reply && !row->replies ? nullptr : row;
+}
+const CommandRow* find_ascii_command(char c, Direction direction) {
+  const CommandRow* row = find_command(c, direction);
+  return row != nullptr && is_binary_only(*row) ? nullptr : row;
 }
 
 // --- Framing -------------------------------------------------------------------------------------
@@ -79,10 +86,10 @@ AsdNumber read_number(std::uint8_t byte) {
 }
 
 // A reply has the request's format, and the number of the drive that answers.
-Message reply_style(const Message& request) {
-  Message style = request;
-  if (style.number) style.number = style.number->representative();
-  return style;
+Message reply_form(const Message& request) {
+  Message form = request;
+  if (form.number) form.number = form.number->representative();
+  return form;
 }
 
 std::vector<std::uint8_t> frame_ascii(const Message& style, char command, Bytes payload) {
@@ -91,6 +98,7 @@ std::vector<std::uint8_t> frame_ascii(const Message& style, char command, Bytes 
     out.push_back(number_digit(style.number->tens));
     out.push_back(number_digit(style.number->units));
   }
+  if (style.format == Format::kAscii32) out.push_back(kWide);
   out.push_back(static_cast<std::uint8_t>(command));
   protocol::append_hex(out, payload);
   if (style.with_sum) {
@@ -119,8 +127,8 @@ std::vector<std::uint8_t> frame(const Message& style, const CommandRow& row, boo
   protocol::pack(fields, kOrder, values, payload);
   const char upper = static_cast<char>(row.code);
   const char command = tripped ? protocol::to_lower(upper) : upper;
-  return style.format == Format::kAscii ? frame_ascii(style, command, payload)
-                                        : frame_binary(style, command, payload);
+  return is_ascii(style.format) ? frame_ascii(style, command, payload)
+                                : frame_binary(style, command, payload);
 }
 
 // --- Reading ASCII -------------------------------------------------------------------------------
@@ -147,6 +155,7 @@ std::string_view take_hex(std::string_view& text) {
 // The parts of an ASCII message, each where it must be.
 struct AsciiParts {
   std::optional<AsdNumber> number;
+  bool wide = false;
   const CommandRow* row = nullptr;
   bool lower_case = false;
   std::string_view digits;  // communication number (or an error's code) and data
@@ -155,16 +164,20 @@ struct AsciiParts {
 };
 
 // Nothing if a part is not. What follows an unknown command may be anything up to the sum.
-std::optional<AsciiParts> split(std::string_view text, Direction direction) {
+std::optional<AsciiParts> split(std::string_view text, Direction direction, bool ascii_wide) {
   AsciiParts parts;
   if (!text.empty() && read_digit(text[0])) {
     const std::string_view number = take(text, 2);
     if (number.size() < 2 || !read_digit(number[1])) return std::nullopt;
     parts.number = {.tens = *read_digit(number[0]), .units = *read_digit(number[1])};
   }
+  if (ascii_wide && text.starts_with(kWide)) {
+    parts.wide = true;
+    take(text, 1);
+  }
   if (text.empty() || !protocol::is_letter(text[0])) return std::nullopt;
   const char command = take(text, 1)[0];
-  parts.row = find_command(command, direction);
+  parts.row = find_ascii_command(command, direction);
   parts.lower_case = command != protocol::to_upper(command);
   if (parts.row == nullptr) {
     take(text, std::min(text.find(kAsciiSum), text.find(kAsciiClose)));
@@ -212,8 +225,8 @@ bool sum_fits(Bytes frame, const AsciiParts& parts) {
   return protocol::sum8(frame.first(end)) == *parts.sum;
 }
 
-// Reads the number and, if there are as many digits as the row wants, the data: one to four in a
-// request, where they stand to the right, and four in a reply. Nothing if that is no message; false
+// Reads the number and, if there are as many digits as the row wants, the data: one to four (wide:
+// eight) in a request, where they stand to the right, and all of them in a reply. Nothing if that is no message; false
 // if the data are out of range.
 std::optional<bool> read_digits(Message& message, std::string_view data, Direction direction) {
   const auto fields = fields_of(*message.row, direction);
@@ -223,21 +236,24 @@ std::optional<bool> read_digits(Message& message, std::string_view data, Directi
     read(message, fields, bytes_of(digits));
     return true;
   }
-  if (direction == Direction::kReply && data.size() != kMostDigits) return std::nullopt;
-  if (data.empty() || data.size() > kMostDigits) {
+  const std::size_t most = most_digits(message.format);
+  if (direction == Direction::kReply && data.size() != most) return std::nullopt;
+  if (data.empty() || data.size() > most) {
     read(message, fields.first(1), bytes_of(digits));
     return false;
   }
-  digits.append(kMostDigits - data.size(), '0').append(data);
+  digits.append(most - data.size(), '0').append(data);
   read(message, fields, bytes_of(digits));
   return true;
 }
 
-Event read_ascii(Message& message, Bytes frame, Direction direction) {
-  const auto parts = split(protocol::as_text(frame).substr(1, frame.size() - 2), direction);
+Event read_ascii(Message& message, Bytes frame, Direction direction, bool ascii_wide) {
+  const std::string_view text = protocol::as_text(frame).substr(1, frame.size() - 2);
+  const auto parts = split(text, direction, ascii_wide);
   if (!parts) return Event::kFormatError;
   const bool reply = direction == Direction::kReply;
-  message = {.number = parts->number,
+  message = {.format = parts->wide ? Format::kAscii32 : Format::kAscii,
+             .number = parts->number,
              .with_sum = parts->sum.has_value(),
              .closed = parts->closed,
              .row = parts->row,
@@ -284,17 +300,21 @@ std::vector<std::uint8_t> encode_request(const Message& message) {
   return frame(message, *message.row, false, fields, message.values);
 }
 
-std::vector<std::uint8_t> encode_reply(const Message& request, std::int64_t value, bool tripped) {
+std::vector<std::uint8_t> encode_reply(const Message& request, std::int64_t value,
+                                       const ReplyStyle& style) {
   const Field data = data_field(request.parameter, request.format);
-  if (!fits(value, data)) return encode_error(request, kModeError, tripped);
-  return frame(reply_style(request), *request.row, tripped, with_data(request.row->reply, data),
-               {request.values[0], value});
+  if (!fits(value, data)) return encode_error(request, style.mode_error, style);
+  return frame(reply_form(request), *request.row, style.tripped,
+               with_data(request.row->reply, data), {request.values[0], value});
 }
 
-std::vector<std::uint8_t> encode_error(const Message& request, Error error, bool tripped) {
-  Message style = reply_style(request);
-  if (style.format == Format::kBinary32) style.format = Format::kBinary16;
-  return frame(style, kErrorReply, tripped, kErrorReply.reply, {static_cast<std::int64_t>(error)});
+std::vector<std::uint8_t> encode_error(const Message& request, Error error,
+                                       const ReplyStyle& style) {
+  Message form = reply_form(request);
+  form.format = is_ascii(form.format) ? Format::kAscii : Format::kBinary16;
+  form.with_sum = form.with_sum || style.error_sum_always;
+  return frame(form, kErrorReply, style.tripped, kErrorReply.reply,
+               {static_cast<std::int64_t>(error)});
 }
 
 void Decoder::reset() {
@@ -317,7 +337,7 @@ Decoder::Event Decoder::push_ascii(std::uint8_t byte) {
   if (byte == kAsciiStart) buffer_.clear();
   buffer_.push(byte);
   if (byte == kAsciiStart) return Event::kFormatError;
-  if (byte == kAsciiEnd) return end(read_ascii(message_, bytes(), direction_));
+  if (byte == kAsciiEnd) return end(read_ascii(message_, bytes(), direction_, ascii_wide_));
   return buffer_.full() ? end(Event::kFormatError) : Event::kNone;
 }
 

@@ -3,6 +3,7 @@
 //   16-bit ASCII   ( [NN] C XXXX [D..DDDD] [& SS] [)] CR
 //   16-bit binary  /  [no] C hi lo [data 2]  sum
 //   32-bit binary  /  [no] L C hi lo [data 4]  sum
+//   32-bit ASCII   ( [NN] L C XXXX [D..DDDDDDDD] [& SS] [)] CR     a guess, off unless asked for
 //
 // A reply has the request's format and those optional parts that the request had; its command is
 // lower case while the drive is tripped. Errors are answered in the same way, with N and a code.
@@ -37,7 +38,14 @@ struct AsdNumber {
   friend bool operator==(const AsdNumber&, const AsdNumber&) = default;
 };
 
-enum class Format : std::uint8_t { kAscii, kBinary16, kBinary32 };
+enum class Format : std::uint8_t { kAscii, kBinary16, kBinary32, kAscii32 };
+
+constexpr bool is_ascii(Format format) {
+  return format == Format::kAscii || format == Format::kAscii32;
+}
+constexpr bool is_wide(Format format) {
+  return format == Format::kBinary32 || format == Format::kAscii32;
+}
 
 struct Message {
   Format format = Format::kAscii;
@@ -51,13 +59,23 @@ struct Message {
   std::optional<Error> error = {};  // what is wrong with it, and a request's answer
 };
 
+/// What a reply depends on besides its request.
+struct ReplyStyle {
+  bool tripped = false;
+  bool error_sum_always = false;   // ASCII errors carry a sum even where the request had none
+  Error mode_error = kModeError;  // to a value that the format is too narrow for
+};
+
 std::vector<std::uint8_t> encode_request(const Message& message);
-/// The value read or written. One that the format is too narrow for is answered with kModeError.
-std::vector<std::uint8_t> encode_reply(const Message& request, std::int64_t value, bool tripped);
-std::vector<std::uint8_t> encode_error(const Message& request, Error error, bool tripped);
+/// The value read or written. One that the format is too narrow for is answered with the mode
+/// error.
+std::vector<std::uint8_t> encode_reply(const Message& request, std::int64_t value,
+                                       const ReplyStyle& style);
+std::vector<std::uint8_t> encode_error(const Message& request, Error error,
+                                       const ReplyStyle& style);
 
 /// A receiver of all three formats. Positions rule, not delimiters; `(` starts anew inside of an
-/// ASCII message. A binary message waits for its bytes: when the line was silent for kSilence,
+/// ASCII message. An unfinished message waits for its bytes: when the line was silent for kSilence,
 /// reset() it.
 class Decoder {
  public:
@@ -69,7 +87,8 @@ class Decoder {
     kUnknownCommand,  // binary: how long it is, nobody knows; dropped in silence
   };
 
-  explicit Decoder(protocol::Direction direction) : direction_(direction) {}
+  explicit Decoder(protocol::Direction direction, bool ascii_wide = false)
+      : direction_(direction), ascii_wide_(ascii_wide) {}
 
   Event push(std::uint8_t byte);
   const Message& message() const { return message_; }
@@ -77,6 +96,8 @@ class Decoder {
   std::span<const std::uint8_t> bytes() const { return buffer_.bytes(); }
   bool idle() const { return ended_ || buffer_.empty(); }
   void reset();
+  /// Whether L is taken in ASCII; else it is an unknown command.
+  void set_ascii_wide(bool on) { ascii_wide_ = on; }
 
  private:
   Event push_ascii(std::uint8_t byte);
@@ -84,6 +105,7 @@ class Decoder {
   Event end(Event event);
 
   protocol::Direction direction_;
+  bool ascii_wide_;
   protocol::FrameBuffer<kTable.framing.longest> buffer_;
   bool ended_ = false;
   Message message_;

@@ -1,5 +1,6 @@
 #include "devices/protocol/document.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <iterator>
 
@@ -9,6 +10,12 @@ namespace {
 std::string_view word(WireType type) {
   constexpr std::string_view kWords[] = {"u8", "i8", "u16", "i16", "u32", "i32", "char", "value"};
   return kWords[static_cast<std::size_t>(type)];
+}
+
+bool has_weaker_evidence(const ProtocolTable& table) {
+  const auto weaker = [](const auto& row) { return row.evidence > Evidence::kAssumed; };
+  return std::ranges::any_of(table.parameters, weaker) ||
+         std::ranges::any_of(table.commands, weaker);
 }
 
 // A table cell must not end the cell.
@@ -44,7 +51,8 @@ void write_framing(Out out, const Framing& framing) {
     return text.empty() ? std::string("none ") : text;
   };
   constexpr std::string_view kChecksums[] = {"none", "CRC-8, polynomial 0x07", "8-bit sum",
-                                             "negated 8-bit sum", "8-bit sum as two hex digits"};
+                                             "negated 8-bit sum", "8-bit sum as two hex digits",
+                                             "CRC-16 of Modbus"};
   fmt::format_to(
       out, "## Framing\n\nStart {}| end {}| checksum {} over {} | {} | longest frame {} bytes\n\n",
       hex(framing.start), hex(framing.end), kChecksums[static_cast<std::size_t>(framing.checksum)],
@@ -72,9 +80,10 @@ void write_parameters(Out out, std::span<const ParameterRow> rows) {
       out,
       "## Parameters\n\n| id | name | access | range | unit | factory | support | evidence | "
       "section | |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  const int digits = rows.back().id > 0xFF ? 4 : 2;
   for (const ParameterRow& row : rows) {
-    fmt::format_to(out, "| {:02X} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.id,
-                   row.name, word(row.access), range(row), cell(units(row)), factory(row),
+    fmt::format_to(out, "| {:0{}X} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.id,
+                   digits, row.name, word(row.access), range(row), cell(units(row)), factory(row),
                    word(row.support), word(row.evidence), row.source, cell(row.doc));
   }
   fmt::format_to(out, "\n");
@@ -98,7 +107,8 @@ std::string_view word(Support support) {
 }
 
 std::string_view word(Evidence evidence) {
-  constexpr std::string_view kWords[] = {"documented", "observed", "assumed"};
+  constexpr std::string_view kWords[] = {"documented", "observed", "assumed", "family",
+                                         "recalled"};
   return kWords[static_cast<std::size_t>(evidence)];
 }
 
@@ -139,8 +149,12 @@ std::string document(const ProtocolTable& table) {
       "Support: *implemented* acts; *stored* is accepted and read back without effect; "
       "*rejected* is refused. Evidence: *documented* by the maker; *observed* on real "
       "devices or in the maker's published firmware; *assumed* here because every source "
-      "is silent.\n\n",
-      table.name, table.document);
+      "is silent.{}\n\n",
+      table.name, table.document,
+      has_weaker_evidence(table)
+          ? " *family*: documented for a relative that speaks the same protocol, the section "
+            "names it; *recalled*: from memory of the family, no text seen."
+          : "");
   write_framing(out, table.framing);
   write_commands(out, "Commands", table.commands);
   write_commands(out, "Functions", table.functions);

@@ -30,6 +30,8 @@ enum class Evidence : std::uint8_t {
   kDocumented,  // the maker's document says so
   kObserved,    // seen on real devices or in the maker's published firmware
   kAssumed,     // open in every source; decided here, the reason in the row's doc
+  kFamily,      // documented for a relative that speaks the same protocol; the source names it
+  kRecalled,    // from memory, no text seen: the weakest
 };
 
 enum class Access : std::uint8_t { kReadWrite, kReadOnly, kWriteOnly };
@@ -162,6 +164,7 @@ enum class Checksum : std::uint8_t {
   kSum8,             // low byte of the sum
   kNegatedSum8,      // what makes the sum zero
   kAsciiSum8,        // low byte of the sum, as two upper-case hex digits
+  kCrc16Modbus,      // polynomial 0x8005 reflected, start value 0xFFFF, low byte first
 };
 
 struct Framing {
