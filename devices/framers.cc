@@ -6,6 +6,8 @@
 #include "core/check.h"
 #include "devices/asd7/framer.h"
 #include "devices/asd7/table.h"
+#include "devices/asd7_modbus/framer.h"
+#include "devices/asd7_modbus/table.h"
 #include "devices/md485/framer.h"
 #include "devices/md485/table.h"
 #include "devices/rzt1/framer.h"
@@ -39,6 +41,7 @@ constexpr Entry kFramers[] = {{toshiba_mcu::kTable.name, toshiba_mcu::make_frame
                               {md485::kTable.name, md485::make_framer},
                               {rzt1::kTable.name, rzt1::make_framer},
                               {asd7::kTable.name, asd7::make_framer},
+                              {asd7_modbus::kTable.name, asd7_modbus::make_framer},
                               {kNoProtocol, make_byte_framer}};
 
 }  // namespace

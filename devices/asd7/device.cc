@@ -113,9 +113,13 @@ bool Device::is_for_me(const Message& message) const {
   return !message.number || message.number->matches(station_.settings().number);
 }
 
-// Of a broadcast the drive answers whose number has zeros for the stars (excerpt, p. 25).
+// Of a broadcast the drive answers whose number has zeros for the stars; it may only write
+// (excerpt, p. 25).
 bool Device::answers(const Message& message) const {
+  if (message.row != nullptr && !message.row->replies) return false;
   if (!message.number || !message.number->is_broadcast()) return true;
+  const bool reads = message.row != nullptr && !writes(*message.row);
+  if (reads && !station_.profile().broadcast_read) return false;
   const AsdNumber one = message.number->representative();
   return 10 * one.tens + one.units == station_.settings().number;
 }
@@ -140,7 +144,6 @@ void Device::take(const Message& message) {
 
 void Device::act(const Message& message) {
   if (!message.row->replies) return act_on_master(message);
-  const bool broadcast = message.number && message.number->is_broadcast();
   const auto number = static_cast<std::uint16_t>(message.values[0]);
   Registers::Answer answer;
   if (writes(*message.row)) {
@@ -155,7 +158,6 @@ void Device::act(const Message& message) {
     station_.answer(encode_reply(request, answer.value, before), "done", answer.stored);
     return;
   }
-  if (broadcast && !station_.profile().broadcast_read) return;
   if (!answers(message)) return;
   answer = station_.registers().read(number);
   if (answer.error) return refuse(message, *answer.error);

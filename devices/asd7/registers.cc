@@ -16,6 +16,7 @@ constexpr std::uint16_t kCmod = 0x0003, kFmod = 0x0004, kTyp = 0x0007, kFh = 0x0
                         kLl = 0x0013, kTimeOut = 0x0803, kTimeOutAction = 0x0804;
 constexpr std::uint16_t kCommand = 0xFA00, kFrequency = 0xFA01, kPanelFrequency = 0xFA03,
                         kCommandRs485 = 0xFA04, kFrequencyRs485 = 0xFA05, kCommand2 = 0xFA20;
+constexpr std::uint16_t kAlarm = 0, kTrip = 1;  // VF-S15's F804
 constexpr SimDuration kInitialiseTime = 1s;  // of tYP (assumed)
 constexpr std::int64_t kCpuVersion = 110;    // 1.10 (decided here)
 constexpr std::int64_t kTenthsOfSeconds = 2;
@@ -130,7 +131,22 @@ Registers::Registers(const EventLoop& loop, AcDrive& drive, Eeprom& eeprom, cons
 void Registers::restore() {
   initialised_ = loop_.now();
   ram_ = eeprom_.parameters();
-  drive_.set_settings(ram_.settings);
+  hand_over();
+}
+
+void Registers::hand_over() {
+  Settings settings = ram_.settings;
+  if (profile_.time_out_actions == TimeOutActions::kP9) {
+    settings.time_out_action = settings.time_out_action % 3 == 2 ? kTrip : kAlarm;
+  }
+  drive_.set_settings(settings);
+}
+
+// P9's matrix has none, alarm and trip for each of its two ports; this one is taken to count in the
+// lower place.
+bool Registers::minds_time_out() const {
+  return profile_.time_out_actions == TimeOutActions::kS15 ||
+         ram_.settings.time_out_action % 3 != 0;
 }
 
 // --- Reading -------------------------------------------------------------------------------------
@@ -211,7 +227,7 @@ Registers::Answer Registers::write_parameter(const ParameterRow& row, std::int64
     drive_.count_eeprom_write();
   }
   *place_of(ram_, row.id) = static_cast<std::uint16_t>(value);
-  drive_.set_settings(ram_.settings);
+  hand_over();
   return {.value = value, .stored = keep == Keep::kEeprom};
 }
 

@@ -38,6 +38,8 @@ class Registers {
   /// What the EEPROM holds becomes what the drive runs with: at a start of the CPU.
   void restore();
   const Settings& settings() const { return ram_.settings; }
+  /// False where F804 asks for nothing to be done.
+  bool minds_time_out() const;
   const Profile& profile() const { return profile_; }
   const AcDrive& drive() const { return drive_; }
 
@@ -47,6 +49,7 @@ class Registers {
   Answer write_parameter(const ParameterRow& row, std::int64_t value, Keep keep);
   Answer write_volatile(const ParameterRow& row, std::int64_t value);
   Answer initialise(std::int64_t how);
+  void hand_over();
   bool initialising() const { return loop_.now() < initialised_; }
 
   const EventLoop& loop_;

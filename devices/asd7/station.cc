@@ -15,16 +15,6 @@ constexpr SimDuration kWaitUnit = 10ms;                          // F805
 constexpr SimDuration kHousekeeping = 1s;
 constexpr std::uint64_t kHourSeconds = 3600;
 
-// F804's value; nothing where no action is asked for.
-std::optional<TimeOutAction> action_of(std::uint16_t value, TimeOutActions how) {
-  if (how == TimeOutActions::kS15) return static_cast<TimeOutAction>(value);
-  // P9's matrix has none, alarm and trip for each of its two ports; this one is taken to count in
-  // the lower place.
-  constexpr std::array<std::optional<TimeOutAction>, 3> kP9 = {
-      std::nullopt, TimeOutAction::kAlarm, TimeOutAction::kTripCoast};
-  return kP9[value % kP9.size()];
-}
-
 }  // namespace
 
 int baud_of(std::uint16_t code) {
@@ -105,11 +95,9 @@ void Station::accepted() {
 }
 
 void Station::timed_out() {
-  const auto action = action_of(settings().time_out_action, profile().time_out_actions);
-  if (!action) return;
+  if (!registers_.minds_time_out()) return;
   lost_ = true;
-  log_.note("no frame within F803: communication time-out");
-  drive_.communication_lost(*action);
+  drive_.communication_lost();
 }
 
 // --- Talking -------------------------------------------------------------------------------------

@@ -292,7 +292,7 @@ inline constexpr ParameterRow kParameters[] = {
     // Communication
     setting(0x0800, "F800", {0, 3}, 3, kPlain, kRecall, "Baud rate, from the next reset on: 0 to 3 are 1200, 2400, 4800, 9600."),
     setting(0x0801, "F801", {0, 2}, 1, kPlain, kS15, "Parity, from the next reset on: 0 none, 1 even, 2 odd."),
-    setting(0x0802, "F802", {0, 99}, 0, kPlain, kG7, "ASD number; binary frames reach 0 to 63. Counts at once; the write itself is answered with the old one."),
+    setting(0x0802, "F802", {0, 247}, 0, kPlain, kG7, "ASD number; ASCII frames reach 0 to 99, binary ones 0 to 63. Counts at once; the write itself is answered with the old one."),
     setting(0x0803, "F803", {0, 100}, 0, kSeconds, kP9, "Communication time-out; 0 is off. `timeout_unit` makes it 0.1 s, as VF-S15's."),
     setting(0x0804, "F804", {0, 8}, 1, kPlain, kS15, "What the time-out does: 0 alarm, 1 trip, 2 ramp and trip; the factory value is decided here. `timeout_actions=p9` takes P9's 0 to 8."),
     setting(0x0805, "F805", {0, 200}, 0, kCentiSeconds, kS15, "An answer waits at least so long. The excerpt has its name, transmission waittime."),
