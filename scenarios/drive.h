@@ -68,6 +68,7 @@ struct PortKind {
   std::string_view name;  // as typed
   int baud;
   Duplex duplex = Duplex::kFull;
+  Parity parity = Parity::kNone;
 };
 
 /// An entry of the catalogue.

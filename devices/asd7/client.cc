@@ -45,9 +45,10 @@ protocol::Values Client::call(const CommandRow& row, const protocol::Values& req
     for (const CodeRow& error : kErrors) {
       if (error.code == code) known = &error;
     }
-    throw DriveRefused(fmt::format("{}: the drive answers error {:04X}{}{}", what, code,
-                                   known != nullptr ? " " : "", known != nullptr ? known->name : ""),
-                       code);
+    throw DriveRefused(
+        fmt::format("{}: the drive answers error {:04X}{}{}", what, code,
+                    known != nullptr ? " " : "", known != nullptr ? known->name : ""),
+        code);
   }
   if (reply.row != &row || reply.values[0] != request[0]) {
     throw ClientError(fmt::format("{}: the drive answers something else", what));

@@ -21,9 +21,10 @@ constexpr std::size_t most_digits(Format format) {
 
 // --- Values --------------------------------------------------------------------------------------
 
-// 32-bit signed values keep their sign in 16 bits: the upper word is the extension of bit 15.
-Field data_field(const ParameterRow* row, Format format) {
-  const bool sign = row != nullptr && protocol::is_signed(row->type);
+// 32-bit signed values keep their sign in 16 bits: the upper word is the extension of bit 15. So do
+// those of a row without a sign that are negative all the same (`signed_frequency`).
+Field data_field(const ParameterRow* row, Format format, std::int64_t value = 0) {
+  const bool sign = (row != nullptr && protocol::is_signed(row->type)) || value < 0;
   const WireType narrow = sign ? WireType::kI16 : WireType::kU16;
   const WireType wide = sign ? WireType::kI32 : WireType::kU32;
   return {.name = "data", .type = is_wide(format) ? wide : narrow};
@@ -226,8 +227,8 @@ bool sum_fits(Bytes frame, const AsciiParts& parts) {
 }
 
 // Reads the number and, if there are as many digits as the row wants, the data: one to four (wide:
-// eight) in a request, where they stand to the right, and all of them in a reply. Nothing if that is no message; false
-// if the data are out of range.
+// eight) in a request, where they stand to the right, and all of them in a reply. Nothing if that
+// is no message; false if the data are out of range.
 std::optional<bool> read_digits(Message& message, std::string_view data, Direction direction) {
   const auto fields = fields_of(*message.row, direction);
   std::string digits(take(data, kNumberDigits));
@@ -302,7 +303,7 @@ std::vector<std::uint8_t> encode_request(const Message& message) {
 
 std::vector<std::uint8_t> encode_reply(const Message& request, std::int64_t value,
                                        const ReplyStyle& style) {
-  const Field data = data_field(request.parameter, request.format);
+  const Field data = data_field(request.parameter, request.format, value);
   if (!fits(value, data)) return encode_error(request, style.mode_error, style);
   return frame(reply_form(request), *request.row, style.tripped,
                with_data(request.row->reply, data), {request.values[0], value});

@@ -62,7 +62,7 @@ struct Message {
 /// What a reply depends on besides its request.
 struct ReplyStyle {
   bool tripped = false;
-  bool error_sum_always = false;   // ASCII errors carry a sum even where the request had none
+  bool error_sum_always = false;  // ASCII errors carry a sum even where the request had none
   Error mode_error = kModeError;  // to a value that the format is too narrow for
 };
 

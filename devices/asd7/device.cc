@@ -15,11 +15,11 @@ constexpr SimDuration kMasterPeriod = 100ms;
 
 // F806
 enum class InterDrive : std::uint8_t {
-  kStop,      // slave: 0 Hz when the master is tripped
-  kGoOn,      // slave: goes on
-  kEmergency, // slave: emergency stop
-  kCommand,   // master: says its frequency command
-  kOutput,    // master: says its output frequency
+  kStop,       // slave: 0 Hz when the master is tripped
+  kGoOn,       // slave: goes on
+  kEmergency,  // slave: emergency stop
+  kCommand,    // master: says its frequency command
+  kOutput,     // master: says its output frequency
 };
 
 bool is_master(const Settings& s) {

@@ -26,7 +26,8 @@ struct Entry {
 constexpr std::string_view kMilliseconds = "milliseconds";
 
 constexpr auto kEntries = std::to_array<Entry>({
-    {{"error_sum", "mirror|always", "ASCII error replies carry a sum as the request does, or always"},
+    {{"error_sum", "mirror|always",
+      "ASCII error replies carry a sum as the request does, or always"},
      [](Profile& p, int n) { p.error_sum_always = n == 1; }},
     {{"broadcast_read", "silent|answered", "R and G to all drives or a group"},
      [](Profile& p, int n) { p.broadcast_read = n == 1; }},
@@ -85,8 +86,8 @@ std::span<const ProfileSetting> profile_settings() {
 }
 
 bool set_profile(Profile& profile, std::string_view name, std::string_view value) {
-  const auto* const it = std::ranges::find(
-      kEntries, name, [](const Entry& entry) { return entry.setting.name; });
+  const auto* const it =
+      std::ranges::find(kEntries, name, [](const Entry& entry) { return entry.setting.name; });
   if (it == kEntries.end()) return false;
   if (it->setting.values == kMilliseconds) {
     it->put(profile, milliseconds(name, value));

@@ -11,18 +11,19 @@
 namespace virtdrive::asd7 {
 
 /// How F804's value is read.
-enum class TimeOutActions : std::uint8_t { kS15, kP9 };
+enum class TimeOutActions : std::uint8_t { kThree, kMatrix };
 
 struct Profile {
-  bool error_sum_always = false;       // else as the request
-  bool broadcast_read = false;         // the excerpt allows writes only; VF-S11's manual prints one
-  bool ascii_wide = false;             // L in ASCII
-  Error mode_error = kModeError;       //
-  bool bit14_faulted = false;          // FD01 and FE01, bit 14: ready, or as ETH's example has it
-  bool signed_frequency = false;       // FD00, FE00, FD02, FE02
+  bool error_sum_always = false;  // else as the request
+  bool broadcast_read = false;    // the excerpt allows writes only; VF-S11's manual prints one
+  bool ascii_wide = false;        // L in ASCII
+  Error mode_error = kModeError;  //
+  bool bit14_faulted = false;     // FD01 and FE01, bit 14: ready, or as ETH's example has it
+  bool signed_frequency = false;  // FD00, FE00, FD02, FE02
   SimDuration time_out_unit = std::chrono::seconds(1);  // F803
-  TimeOutActions time_out_actions = TimeOutActions::kS15;
-  SimDuration frame_time_out = kSilence;  // of an unfinished frame; S15's 3.5 characters are shorter
+  TimeOutActions time_out_actions = TimeOutActions::kThree;
+  SimDuration frame_time_out =
+      kSilence;  // of an unfinished frame; S15's 3.5 characters are shorter
   SimDuration reply_time = std::chrono::milliseconds(10);
   SimDuration write_time = std::chrono::milliseconds(50);  // of a reply to a write into the EEPROM
 };

@@ -17,8 +17,8 @@ constexpr std::uint16_t kCmod = 0x0003, kFmod = 0x0004, kTyp = 0x0007, kFh = 0x0
 constexpr std::uint16_t kCommand = 0xFA00, kFrequency = 0xFA01, kPanelFrequency = 0xFA03,
                         kCommandRs485 = 0xFA04, kFrequencyRs485 = 0xFA05, kCommand2 = 0xFA20;
 constexpr std::uint16_t kAlarm = 0, kTrip = 1;  // VF-S15's F804
-constexpr SimDuration kInitialiseTime = 1s;  // of tYP (assumed)
-constexpr std::int64_t kCpuVersion = 110;    // 1.10 (decided here)
+constexpr SimDuration kInitialiseTime = 1s;     // of tYP (assumed)
+constexpr std::int64_t kCpuVersion = 110;       // 1.10 (decided here)
 constexpr std::int64_t kTenthsOfSeconds = 2;
 
 // Refused with 0000 while the motor runs. FH is the manuals' own example; the others are recalled.
@@ -88,9 +88,8 @@ constexpr auto kOfDrive = std::to_array<Binding<FromDrive>>({
     {0xFE12, past_trip<2>},
     {0xFE13, past_trip<3>},
     {0xFE14, [](const AcDrive& d) -> std::int64_t { return d.run_hours(); }},
-    {0xFE70, [](const AcDrive& d) -> std::int64_t {
-       return std::lround(d.model().rated_current_a * 10);
-     }},
+    {0xFE70,
+     [](const AcDrive& d) -> std::int64_t { return std::lround(d.model().rated_current_a * 10); }},
     {0xFE71, [](const AcDrive& d) -> std::int64_t { return std::lround(d.model().supply_v * 10); }},
     {0xFE73, [](const AcDrive&) { return kCpuVersion; }},
     {0xFE76, [](const AcDrive& d) { return static_cast<std::int64_t>(d.memory().input_kwh); }},
@@ -106,8 +105,9 @@ consteval bool each_row_is_bound() {
   for (const ParameterRow& row : kParameters) {
     if (row.support == Support::kRejected) continue;
     const bool kept = row.access == Access::kReadWrite && row.id < kCommand && row.id != kTyp;
-    const bool monitor = is_monitor(row.id) &&
-                         protocol::find(kMonitors, static_cast<std::uint16_t>(row.id & 0xFF)) != nullptr;
+    const bool monitor =
+        is_monitor(row.id) &&
+        protocol::find(kMonitors, static_cast<std::uint16_t>(row.id & 0xFF)) != nullptr;
     if (!kept && !monitor && protocol::find(kOfDrive, row.id) == nullptr) return false;
   }
   return true;
@@ -136,7 +136,7 @@ void Registers::restore() {
 
 void Registers::hand_over() {
   Settings settings = ram_.settings;
-  if (profile_.time_out_actions == TimeOutActions::kP9) {
+  if (profile_.time_out_actions == TimeOutActions::kMatrix) {
     settings.time_out_action = settings.time_out_action % 3 == 2 ? kTrip : kAlarm;
   }
   drive_.set_settings(settings);
@@ -145,7 +145,7 @@ void Registers::hand_over() {
 // P9's matrix has none, alarm and trip for each of its two ports; this one is taken to count in the
 // lower place.
 bool Registers::minds_time_out() const {
-  return profile_.time_out_actions == TimeOutActions::kS15 ||
+  return profile_.time_out_actions == TimeOutActions::kThree ||
          ram_.settings.time_out_action % 3 != 0;
 }
 
@@ -190,7 +190,7 @@ Range Registers::range(const ParameterRow& row) const {
     range.maximum = s.upper_limit;  // LL is kept to while it runs
   } else if (row.id == kTimeOut && profile_.time_out_unit < 1s) {
     range.maximum = 1000;  // VF-S15: 100.0 s
-  } else if (row.id == kTimeOutAction && profile_.time_out_actions == TimeOutActions::kS15) {
+  } else if (row.id == kTimeOutAction && profile_.time_out_actions == TimeOutActions::kThree) {
     range.maximum = 2;
   }
   return range;

@@ -30,6 +30,7 @@ class Station {
   AcDrive& drive() { return drive_; }
   Registers& registers() { return registers_; }
   WireLog& log() { return log_; }
+  const WireCounters& counters() const { return log_.counters(); }
   const Profile& profile() const { return registers_.profile(); }
   const Settings& settings() const { return registers_.settings(); }
 

@@ -1,10 +1,10 @@
 // Toshiba 7-Series ASD: framing, commands, and every communication number with its parameter.
 //
 // Of the 7-Series' own manual four pages are at hand: "excerpt" is the 7-Series Serial
-// Communications User Manual, 53840-001, pages 22-25. The rest is what its relatives document, which
-// speak the same protocol: VF-S11 (E6581222), VF-AS1 (E6581315), VF-S15 (E6581913), P9; "G7" is an
-// option board's manual for the 7-Series G7 (ICC-10389-003), "ETH" a gateway's (ICC ETH-100). What
-// rests on memory alone is Evidence::kRecalled. A parameter's number is its digits read as
+// Communications User Manual, 53840-001, pages 22-25. The rest is what its relatives document,
+// which speak the same protocol: VF-S11 (E6581222), VF-AS1 (E6581315), VF-S15 (E6581913), P9; "G7"
+// is an option board's manual for the 7-Series G7 (ICC-10389-003), "ETH" a gateway's (ICC ETH-100).
+// What rests on memory alone is Evidence::kRecalled. A parameter's number is its digits read as
 // hexadecimal: F803 is 0803.
 #pragma once
 
@@ -95,13 +95,12 @@ constexpr bool writes(const CommandRow& row) {
 }
 
 /// The answer that takes the place of any other.
-inline constexpr CommandRow kErrorReply = {
-    .code = 'N',
-    .name = "N",
-    .reply = kErrorCode,
-    .evidence = Evidence::kFamily,
-    .source = "VF-S15",
-    .doc = "Error code instead of an answer."};
+inline constexpr CommandRow kErrorReply = {.code = 'N',
+                                           .name = "N",
+                                           .reply = kErrorCode,
+                                           .evidence = Evidence::kFamily,
+                                           .source = "VF-S15",
+                                           .doc = "Error code instead of an answer."};
 
 // --- Communication numbers -----------------------------------------------------------------------
 
@@ -415,10 +414,7 @@ inline constexpr CodeRow kErrors[] = {
      .name = "command",
      .evidence = Evidence::kFamily,
      .doc = "No such command; ASCII only, binary frames are dropped."},
-    {.code = 4,
-     .name = "sum",
-     .evidence = Evidence::kFamily,
-     .doc = "The checksum does not fit."},
+    {.code = 4, .name = "sum", .evidence = Evidence::kFamily, .doc = "The checksum does not fit."},
 };
 
 // Codes of FC90 and FE10 to FE13.
@@ -458,8 +454,9 @@ inline constexpr CodeRow kTrips[] = {
 inline constexpr ProtocolTable kTable = {
     .name = "asd7",
     .title = "Toshiba 7-Series ASD",
-    .document = "7-Series Serial Communications User Manual, 53840-001, August 2003 (excerpt, p. "
-                "22-25), and the relatives named in each row",
+    .document =
+        "7-Series Serial Communications User Manual, 53840-001, August 2003 (excerpt, p. "
+        "22-25), and the relatives named in each row",
     .framing = {.name = "16-bit ASCII",
                 .start = "(",
                 .end = "\r",

@@ -39,6 +39,7 @@ class WalkDialect final : public protocol::Dialect {
   std::uint16_t highest_command() const override { return 0xFF; }
   std::span<const std::uint8_t> unknown_channels() const override { return {}; }
   bool names_channel(const CommandRow&) const override { return false; }
+  using protocol::Dialect::effect;
   protocol::Effect effect(const ParameterRow& row) const override;
   protocol::Range range(const ParameterRow& row) const override;
 

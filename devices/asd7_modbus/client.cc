@@ -26,8 +26,7 @@ void Client::write(const ParameterRow& row, std::int64_t value) {
 }
 
 protocol::Values Client::call(const CommandRow& row, const protocol::Values& request) {
-  const std::string what =
-      fmt::format("{} {:04X}", row.name, static_cast<unsigned>(request[0]));
+  const std::string what = fmt::format("{} {:04X}", row.name, static_cast<unsigned>(request[0]));
   // What is still on its way from before would be taken for the answer.
   while (transport_.read(SimDuration{})) {
   }

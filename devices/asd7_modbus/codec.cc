@@ -35,8 +35,8 @@ FrameError decode(Direction direction, std::span<const std::uint8_t> bytes, Fram
   const auto data = body.subspan(kHead);
   frame = {.unit = body[0], .function = body[1]};
   const bool excepted = direction == Direction::kReply && (frame.function & kExceptionBit) != 0;
-  const auto code = static_cast<std::uint8_t>(excepted ? frame.function ^ kExceptionBit
-                                                       : frame.function);
+  const auto code =
+      static_cast<std::uint8_t>(excepted ? frame.function ^ kExceptionBit : frame.function);
   frame.row = protocol::find(kTable.commands, code);
   if (excepted) {
     if (data.size() == 1) frame.exception = data[0];

@@ -16,9 +16,9 @@ namespace virtdrive::asd7_modbus {
 
 struct Frame {
   std::uint8_t unit = 0;
-  std::uint8_t function = 0;  // as on the wire
-  const CommandRow* row = nullptr;             // null: no such function
-  std::optional<std::uint8_t> exception = {};  // of a reply
+  std::uint8_t function = 0;                    // as on the wire
+  const CommandRow* row = nullptr;              // null: no such function
+  std::optional<std::uint8_t> exception = {};   // of a reply
   std::optional<protocol::Values> values = {};  // nothing where the data have another length
 };
 

@@ -38,8 +38,7 @@ std::string describe(const Frame& frame) {
 }  // namespace
 
 Device::Device(asd7::Station& station)
-    : station_(station),
-      silence_(station.loop().add(Phase::kDevice, [this] { frame_ended(); })) {
+    : station_(station), silence_(station.loop().add(Phase::kDevice, [this] { frame_ended(); })) {
   station_.on_restart([this] { forget(); });
 }
 
@@ -66,8 +65,9 @@ void Device::frame_ended() {
   Frame frame;
   const FrameError error = decode(protocol::Direction::kRequest, buffer_.bytes(), frame);
   if (too_long_ || error != FrameError::kNone) {
-    drop(too_long_ ? "too long, no answer"
-                   : error == FrameError::kCrc ? "wrong CRC, no answer" : "too short, no answer");
+    drop(too_long_                   ? "too long, no answer"
+         : error == FrameError::kCrc ? "wrong CRC, no answer"
+                                     : "too short, no answer");
   } else if (frame.unit == kAllDrives || frame.unit == station_.settings().number) {
     if (station_.busy()) {
       station_.log().tell(WireEvent::Kind::kLost, buffer_.bytes(),
@@ -121,9 +121,10 @@ void Device::write(const Frame& frame, std::uint16_t number, std::int64_t word) 
 
 void Device::refuse(const Frame& frame, Exception exception) {
   if (frame.unit == kAllDrives) return;
-  station_.answer(encode_exception(frame.unit, frame.function, exception),
-                  fmt::format("exception {}", kExceptions[static_cast<std::size_t>(exception) - 1].name),
-                  false);
+  station_.answer(
+      encode_exception(frame.unit, frame.function, exception),
+      fmt::format("exception {}", kExceptions[static_cast<std::size_t>(exception) - 1].name),
+      false);
 }
 
 }  // namespace virtdrive::asd7_modbus

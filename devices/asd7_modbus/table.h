@@ -19,7 +19,7 @@ using protocol::Names;
 using protocol::ProtocolTable;
 using protocol::WireType;
 
-inline constexpr std::uint8_t kAllDrives = 0;     // unit of a broadcast
+inline constexpr std::uint8_t kAllDrives = 0;  // unit of a broadcast
 inline constexpr std::uint8_t kExceptionBit = 0x80;
 /// Of silence: it ends a frame (E6581913, p. 25).
 inline constexpr double kSilentCharacters = 3.5;
@@ -95,8 +95,9 @@ inline constexpr std::size_t kLongestFrame = 256;
 inline constexpr ProtocolTable kTable = {
     .name = "asd7-modbus",
     .title = "Toshiba 7-Series ASD over Modbus RTU, as later drives of the family offer it",
-    .document = "VF-S15 RS485 Communication Manual, E6581913, and VF-S11's, E6581222; the registers "
-                "are those of the 7-Series' own protocol",
+    .document =
+        "VF-S15 RS485 Communication Manual, E6581913, and VF-S11's, E6581222; the registers "
+        "are those of the 7-Series' own protocol",
     .framing = {.checksum = protocol::Checksum::kCrc16Modbus,
                 .checksum_span = "unit number to data; 3.5 characters of silence end a frame",
                 .order = protocol::ByteOrder::kBigEndian,

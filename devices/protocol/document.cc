@@ -50,8 +50,11 @@ void write_framing(Out out, const Framing& framing) {
     for (const char c : bytes) text += fmt::format("{:02X} ", static_cast<unsigned char>(c));
     return text.empty() ? std::string("none ") : text;
   };
-  constexpr std::string_view kChecksums[] = {"none", "CRC-8, polynomial 0x07", "8-bit sum",
-                                             "negated 8-bit sum", "8-bit sum as two hex digits",
+  constexpr std::string_view kChecksums[] = {"none",
+                                             "CRC-8, polynomial 0x07",
+                                             "8-bit sum",
+                                             "negated 8-bit sum",
+                                             "8-bit sum as two hex digits",
                                              "CRC-16 of Modbus"};
   fmt::format_to(
       out, "## Framing\n\nStart {}| end {}| checksum {} over {} | {} | longest frame {} bytes\n\n",
@@ -107,8 +110,7 @@ std::string_view word(Support support) {
 }
 
 std::string_view word(Evidence evidence) {
-  constexpr std::string_view kWords[] = {"documented", "observed", "assumed", "family",
-                                         "recalled"};
+  constexpr std::string_view kWords[] = {"documented", "observed", "assumed", "family", "recalled"};
   return kWords[static_cast<std::size_t>(evidence)];
 }
 

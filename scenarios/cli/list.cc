@@ -24,7 +24,9 @@ int list_drives(bool names_only) {
       continue;
     }
     fmt::print("{:<14} {}\n", kind.name, kind.table.title);
-    fmt::print("{:<14} motor {}, {} baud\n", "", kind.default_motor, kind.ports.front().baud);
+    const PortKind& port = kind.ports.front();
+    fmt::print("{:<14} motor {}, {} baud{}\n", "", kind.default_motor, port.baud,
+               port.parity == Parity::kEven ? ", even parity" : "");
   }
   return kExitOk;
 }

@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "devices/asd7/codec.h"
+#include "devices/asd7_modbus/codec.h"
 #include "devices/framers.h"
 #include "devices/md485/codec.h"
 #include "devices/rzt1/codec.h"
@@ -39,6 +40,30 @@ void md485_rescans(Direction direction, std::span<const std::uint8_t> bytes) {
   }
   for (auto event = decoder.expire(); event != md485::Decoder::Event::kNone;)
     event = decoder.next();
+}
+
+// What is a message encodes to what was read, but for data that were shorter than they may be and
+// the case of hexadecimal digits.
+void asd7_round_trip(bool ascii_wide, std::span<const std::uint8_t> bytes) {
+  asd7::Decoder decoder(Direction::kRequest, ascii_wide);
+  for (const std::uint8_t byte : bytes) {
+    if (decoder.push(byte) != asd7::Decoder::Event::kMessage) continue;
+    const asd7::Message& message = decoder.message();
+    if (message.error || asd7::is_ascii(message.format)) continue;
+    const auto again = asd7::encode_request(message);
+    VIRTDRIVE_CHECK(std::ranges::equal(again, decoder.bytes()), "{}", message.row->name);
+  }
+}
+
+void modbus_round_trip(Direction direction, std::span<const std::uint8_t> bytes) {
+  using namespace asd7_modbus;
+  Frame frame;
+  expected_size(direction, bytes);
+  if (decode(direction, bytes, frame) != FrameError::kNone || !frame.values) return;
+  const auto again = direction == Direction::kRequest
+                         ? encode_request(frame.unit, *frame.row, *frame.values)
+                         : encode_reply(frame.unit, *frame.row, *frame.values);
+  VIRTDRIVE_CHECK(std::ranges::equal(again, bytes), "{}", frame.row->name);
 }
 
 template <class Decoder>
@@ -81,11 +106,15 @@ void decode(std::span<const std::uint8_t> bytes) {
     toshiba_mcu_round_trip(direction, bytes);
     md485_rescans(direction, bytes);
     push_all(asd7::Decoder(direction), bytes);
+    modbus_round_trip(direction, bytes);
   }
+  asd7_round_trip(false, bytes);
+  asd7_round_trip(true, bytes);
   push_all(rzt1::Decoder(), bytes);
   push_all(rzt1::LineReplyDecoder(), bytes);
   for (const std::string_view protocol :
-       {toshiba_mcu::kTable.name, md485::kTable.name, rzt1::kTable.name, asd7::kTable.name}) {
+       {toshiba_mcu::kTable.name, md485::kTable.name, rzt1::kTable.name, asd7::kTable.name,
+        asd7_modbus::kTable.name}) {
     frames_each_byte_once(protocol, bytes);
   }
 }
@@ -94,8 +123,8 @@ void decode(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
   std::vector<std::vector<std::uint8_t>> seeds;
-  for (const char* file :
-       {"vectors_toshiba_mcu.csv", "vectors_rzt1.csv", "vectors_md485.csv", "vectors_asd7.csv"}) {
+  for (const char* file : {"vectors_toshiba_mcu.csv", "vectors_rzt1.csv", "vectors_md485.csv",
+                           "vectors_asd7.csv", "vectors_asd7_modbus.csv"}) {
     for (const Vector& vector : read_vectors(file)) seeds.push_back(vector.bytes);
   }
   return seeds;
