@@ -12,6 +12,7 @@ namespace {
 constexpr double kRpmPerRadps = 30 / std::numbers::pi;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kHighestMains = 1.5;     // of its rated voltage
 constexpr double kHighestSupplyV = 1000;  // assumed: above any drive's over-voltage trip
 
 // One axis, its names and the present.
@@ -151,6 +152,45 @@ void register_axis(Registry& registry, const EventLoop& loop, std::size_t channe
   names.add_faults();
 }
 
+namespace {
+
+// A link on the mains: a dip, a lost phase. Its voltage is that between two lines, rms.
+template <class Present>
+void register_mains(Registry& registry, const std::string& name, const DcBus& bus,
+                    Present present) {
+  const double rated_v = bus.parameters().mains.voltage_v;
+  const auto change = [present](auto&& make) {
+    DcBus now = present();
+    MainsInput mains = now.mains();
+    make(mains);
+    now.set_mains(mains);
+  };
+  registry.add(Input{.signal = {name + ".voltage", "V", "Mains, rms between two lines",
+                                [bus, rated_v] { return bus.mains().level[0] * rated_v; }},
+                     .minimum = 0,
+                     .maximum = kHighestMains * rated_v,
+                     .write = [change, rated_v](double volts) {
+                       change([&](MainsInput& mains) { mains.level.fill(volts / rated_v); });
+                     }});
+  const int phases = bus.parameters().mains.phases;
+  for (std::size_t phase = 0; phase < static_cast<std::size_t>(phases); ++phase) {
+    const char letter = "rst"[phase];
+    registry.add(
+        Input{.signal = {fmt::format("{}.phase_{}_lost", name, letter), "",
+                         fmt::format("Phase {} of the mains is not there", letter),
+                         [bus, phase] { return bus.mains().connected[phase] ? 0.0 : 1.0; }},
+              .minimum = 0,
+              .maximum = 1,
+              .write =
+                  [change, phase](double lost) {
+                    change([&](MainsInput& mains) { mains.connected[phase] = lost == 0; });
+                  },
+              .fault = true});
+  }
+}
+
+}  // namespace
+
 void register_supply(Registry& registry, const EventLoop& loop, const std::string& name,
                      const DcBus& bus) {
   const auto present = [&loop, bus] {
@@ -158,11 +198,15 @@ void register_supply(Registry& registry, const EventLoop& loop, const std::strin
     now.advance_to(loop.now());
     return now;
   };
-  registry.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
-                                [bus] { return bus.parameters().source_v; }},
-                     .minimum = 0,
-                     .maximum = kHighestSupplyV,
-                     .write = [present](double volts) { present().set_source_voltage(volts); }});
+  if (bus.parameters().mains.phases > 0) {
+    register_mains(registry, name, bus, present);
+  } else {
+    registry.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
+                                  [bus] { return bus.parameters().source_v; }},
+                       .minimum = 0,
+                       .maximum = kHighestSupplyV,
+                       .write = [present](double volts) { present().set_source_voltage(volts); }});
+  }
   registry.add(Input{.signal = {name + ".off", "", "The supply is switched off",
                                 [bus] { return bus.supply_on() ? 0.0 : 1.0; }},
                      .minimum = 0,
