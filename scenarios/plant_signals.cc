@@ -1,5 +1,6 @@
 #include "scenarios/plant_signals.h"
 
+#include <array>
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
@@ -172,20 +173,28 @@ void register_mains(Registry& registry, const std::string& name, const DcBus& bu
                      .write = [change, rated_v](double volts) {
                        change([&](MainsInput& mains) { mains.level.fill(volts / rated_v); });
                      }});
+  const auto fault = [&](std::string_view what, std::string doc, auto missing, auto put) {
+    registry.add(Input{
+        .signal = {fmt::format("{}.{}", name, what), "", std::move(doc),
+                   [bus, missing] { return missing(bus.mains()) ? 1.0 : 0.0; }},
+        .minimum = 0,
+        .maximum = 1,
+        .write = [change, put](
+                     double there) { change([&](MainsInput& mains) { put(mains, there == 0); }); },
+        .fault = true});
+  };
+  fault(
+      "off", "The mains are switched off",
+      [](const MainsInput& mains) { return mains.connected == std::array{false, false, false}; },
+      [](MainsInput& mains, bool on) { mains.connected.fill(on); });
   const int phases = bus.parameters().mains.phases;
   for (std::size_t phase = 0; phase < static_cast<std::size_t>(phases); ++phase) {
     const char letter = "rst"[phase];
-    registry.add(
-        Input{.signal = {fmt::format("{}.phase_{}_lost", name, letter), "",
-                         fmt::format("Phase {} of the mains is not there", letter),
-                         [bus, phase] { return bus.mains().connected[phase] ? 0.0 : 1.0; }},
-              .minimum = 0,
-              .maximum = 1,
-              .write =
-                  [change, phase](double lost) {
-                    change([&](MainsInput& mains) { mains.connected[phase] = lost == 0; });
-                  },
-              .fault = true});
+    fault(
+        fmt::format("phase_{}_lost", letter),
+        fmt::format("Phase {} of the mains is not there", letter),
+        [phase](const MainsInput& mains) { return !mains.connected[phase]; },
+        [phase](MainsInput& mains, bool on) { mains.connected[phase] = on; });
   }
 }
 
@@ -198,15 +207,12 @@ void register_supply(Registry& registry, const EventLoop& loop, const std::strin
     now.advance_to(loop.now());
     return now;
   };
-  if (bus.parameters().mains.phases > 0) {
-    register_mains(registry, name, bus, present);
-  } else {
-    registry.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
-                                  [bus] { return bus.parameters().source_v; }},
-                       .minimum = 0,
-                       .maximum = kHighestSupplyV,
-                       .write = [present](double volts) { present().set_source_voltage(volts); }});
-  }
+  if (bus.parameters().mains.phases > 0) return register_mains(registry, name, bus, present);
+  registry.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
+                                [bus] { return bus.parameters().source_v; }},
+                     .minimum = 0,
+                     .maximum = kHighestSupplyV,
+                     .write = [present](double volts) { present().set_source_voltage(volts); }});
   registry.add(Input{.signal = {name + ".off", "", "The supply is switched off",
                                 [bus] { return bus.supply_on() ? 0.0 : 1.0; }},
                      .minimum = 0,

@@ -75,7 +75,9 @@ class Rig final : public HostTransport {
   void run(SimDuration time) { loop.run_until(loop.now() + time); }
   void mains(bool on) {
     axis.advance_to(loop.now());
-    axis.bus().set_supply(on);
+    MainsInput input = axis.bus().mains();
+    input.connected.fill(on);
+    axis.bus().set_mains(input);
   }
 
  private:
