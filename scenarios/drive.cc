@@ -5,6 +5,7 @@
 
 #include "core/check.h"
 #include "core/names.h"
+#include "scenarios/drives/asd7.h"
 #include "scenarios/drives/md.h"
 #include "scenarios/drives/toshiba_mcu.h"
 
@@ -14,6 +15,7 @@ const std::vector<DriveKind>& drive_catalogue() {
   static const std::vector<DriveKind> catalogue = [] {
     std::vector<DriveKind> kinds = {toshiba_mcu_kind()};
     for (DriveKind& kind : md_kinds()) kinds.push_back(std::move(kind));
+    for (DriveKind& kind : asd7_kinds()) kinds.push_back(std::move(kind));
     return kinds;
   }();
   return catalogue;

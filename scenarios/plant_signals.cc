@@ -1,5 +1,6 @@
 #include "scenarios/plant_signals.h"
 
+#include <array>
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
@@ -12,6 +13,7 @@ namespace {
 constexpr double kRpmPerRadps = 30 / std::numbers::pi;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kHighestMains = 1.5;     // of its rated voltage
 constexpr double kHighestSupplyV = 1000;  // assumed: above any drive's over-voltage trip
 
 // One axis, its names and the present.
@@ -151,6 +153,53 @@ void register_axis(Registry& registry, const EventLoop& loop, std::size_t channe
   names.add_faults();
 }
 
+namespace {
+
+// A link on the mains: a dip, a lost phase. Its voltage is that between two lines, rms.
+template <class Present>
+void register_mains(Registry& registry, const std::string& name, const DcBus& bus,
+                    Present present) {
+  const double rated_v = bus.parameters().mains.voltage_v;
+  const auto change = [present](auto&& make) {
+    DcBus now = present();
+    MainsInput mains = now.mains();
+    make(mains);
+    now.set_mains(mains);
+  };
+  registry.add(Input{.signal = {name + ".voltage", "V", "Mains, rms between two lines",
+                                [bus, rated_v] { return bus.mains().level[0] * rated_v; }},
+                     .minimum = 0,
+                     .maximum = kHighestMains * rated_v,
+                     .write = [change, rated_v](double volts) {
+                       change([&](MainsInput& mains) { mains.level.fill(volts / rated_v); });
+                     }});
+  const auto fault = [&](std::string_view what, std::string doc, auto missing, auto put) {
+    registry.add(Input{
+        .signal = {fmt::format("{}.{}", name, what), "", std::move(doc),
+                   [bus, missing] { return missing(bus.mains()) ? 1.0 : 0.0; }},
+        .minimum = 0,
+        .maximum = 1,
+        .write = [change, put](
+                     double there) { change([&](MainsInput& mains) { put(mains, there == 0); }); },
+        .fault = true});
+  };
+  fault(
+      "off", "The mains are switched off",
+      [](const MainsInput& mains) { return mains.connected == std::array{false, false, false}; },
+      [](MainsInput& mains, bool on) { mains.connected.fill(on); });
+  const int phases = bus.parameters().mains.phases;
+  for (std::size_t phase = 0; phase < static_cast<std::size_t>(phases); ++phase) {
+    const char letter = "rst"[phase];
+    fault(
+        fmt::format("phase_{}_lost", letter),
+        fmt::format("Phase {} of the mains is not there", letter),
+        [phase](const MainsInput& mains) { return !mains.connected[phase]; },
+        [phase](MainsInput& mains, bool on) { mains.connected[phase] = on; });
+  }
+}
+
+}  // namespace
+
 void register_supply(Registry& registry, const EventLoop& loop, const std::string& name,
                      const DcBus& bus) {
   const auto present = [&loop, bus] {
@@ -158,6 +207,7 @@ void register_supply(Registry& registry, const EventLoop& loop, const std::strin
     now.advance_to(loop.now());
     return now;
   };
+  if (bus.parameters().mains.phases > 0) return register_mains(registry, name, bus, present);
   registry.add(Input{.signal = {name + ".voltage", "V", "Open-circuit voltage of the supply",
                                 [bus] { return bus.parameters().source_v; }},
                      .minimum = 0,

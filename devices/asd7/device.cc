@@ -137,9 +137,11 @@ void Device::take(const Message& message) {
   }
   station_.log().tell(WireEvent::Kind::kRequest, decoder_.bytes(),
                       station_.log().has_listener() ? describe(message) : std::string());
+  if (message.error)
+    refuse(message, *message.error);
+  else
+    act(message);
   station_.accepted();
-  if (message.error) return refuse(message, *message.error);
-  act(message);
 }
 
 void Device::act(const Message& message) {

@@ -86,6 +86,7 @@ void Station::keep_memory() {
 // --- Time-out ------------------------------------------------------------------------------------
 
 void Station::accepted() {
+  if (!hears()) return;  // it was a reset
   if (std::exchange(lost_, false)) drive_.communication_found();
   const std::uint16_t time_out = settings().time_out;
   if (time_out == 0)

@@ -34,7 +34,7 @@ class Station {
   const Profile& profile() const { return registers_.profile(); }
   const Settings& settings() const { return registers_.settings(); }
 
-  /// A frame for this drive was taken: the time-out (F803) counts from here.
+  /// A frame for this drive was taken and acted upon: the time-out (F803) counts from here.
   void accepted();
   /// An answer is still to come.
   bool busy() const { return answer_.due() != kNever; }

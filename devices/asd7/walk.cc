@@ -75,7 +75,10 @@ Bytes WalkDialect::probe() const {
   return encode(command_row('R'), {kNote});
 }
 
+// What is never answered is not answered either when it is spoilt.
 std::optional<Bytes> WalkDialect::spoil(const Bytes& request, Damage damage) const {
+  const CommandRow* row = protocol::find(kTable.commands, request[2]);
+  if (row == nullptr || !row->replies) return std::nullopt;
   Bytes spoilt = request;
   switch (damage) {
     case Damage::kChecksum:

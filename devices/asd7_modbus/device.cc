@@ -75,8 +75,8 @@ void Device::frame_ended() {
     } else {
       station_.log().tell(WireEvent::Kind::kRequest, buffer_.bytes(),
                           station_.log().has_listener() ? describe(frame) : std::string());
-      station_.accepted();
       act(frame);
+      station_.accepted();
     }
   }
   buffer_.clear();

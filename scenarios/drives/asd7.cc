@@ -78,7 +78,9 @@ class Asd7Drive final : public Drive {
  private:
   void switch_mains(bool on) {
     axis_.advance_to(context_.loop.now());
-    axis_.bus().set_supply(on);
+    MainsInput mains = axis_.bus().mains();
+    mains.connected.fill(on);
+    axis_.bus().set_mains(mains);
   }
   void register_reports(Registry& registry);
   void register_terminals(Registry& registry);
