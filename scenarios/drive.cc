@@ -6,6 +6,7 @@
 #include "core/check.h"
 #include "core/names.h"
 #include "scenarios/drives/md.h"
+#include "scenarios/drives/rzt1.h"
 #include "scenarios/drives/toshiba_mcu.h"
 
 namespace virtdrive {
@@ -14,6 +15,7 @@ const std::vector<DriveKind>& drive_catalogue() {
   static const std::vector<DriveKind> catalogue = [] {
     std::vector<DriveKind> kinds = {toshiba_mcu_kind()};
     for (DriveKind& kind : md_kinds()) kinds.push_back(std::move(kind));
+    kinds.push_back(rzt1_kind());
     return kinds;
   }();
   return catalogue;

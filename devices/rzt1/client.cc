@@ -30,8 +30,8 @@ std::string name_of(const Packet& packet) {
 }
 
 std::string_view name_of(Status status) {
-  const auto row = std::ranges::find(kTable.errors, static_cast<std::int32_t>(status),
-                                     &CodeRow::code);
+  const auto row =
+      std::ranges::find(kTable.errors, static_cast<std::int32_t>(status), &CodeRow::code);
   return row != kTable.errors.end() ? row->name : "unknown";
 }
 
@@ -104,10 +104,10 @@ void Client::call(std::string_view function) {
 }
 
 std::vector<std::int32_t> Client::trace(std::uint8_t buffer, TraceWidth width) {
-  const PacketReplyDecoder reply = exchange(
-      {.address = address_,
-       .row = &packet_row(kTraceBuffer),
-       .values = {buffer | (width == TraceWidth::kFourBytes ? kLongSamples : 0)}});
+  const PacketReplyDecoder reply =
+      exchange({.address = address_,
+                .row = &packet_row(kTraceBuffer),
+                .values = {buffer | (width == TraceWidth::kFourBytes ? kLongSamples : 0)}});
   return {reply.samples().begin(), reply.samples().end()};
 }
 

@@ -11,7 +11,7 @@
 namespace virtdrive::rzt1 {
 namespace {
 
-constexpr std::size_t kHeader = 4;  // start, address, length, code
+constexpr std::size_t kHeader = 4;       // start, address, length, code
 constexpr std::size_t kTraceHeader = 3;  // count, size
 constexpr std::string_view kEndOfLine = "\r\n";
 constexpr const Framing& kFraming = kTable.framing;
@@ -64,21 +64,21 @@ void read_stream(Packet& packet, std::span<const std::uint8_t> data) {
     packet.status = Status::kBadSize;
     return;
   }
-  packet.values =
-      protocol::unpack(stream_fields(packet.counted, points), kFraming.order, data);
+  packet.values = protocol::unpack(stream_fields(packet.counted, points), kFraming.order, data);
 }
 
 // The document's SETUP is a variable that starts something when it is written: by its request
 // fields such a function is told from others.
-void find_named(Packet& packet, std::uint8_t id) {
+void find_named(Packet& packet, std::span<const std::uint8_t> data) {
+  const std::uint8_t id = data[0];
   const CommandRow* function = protocol::find(kTable.functions, id);
   if (packet.row->names == Names::kFunction) {
     packet.function = function;
     return;
   }
   packet.parameter = protocol::find(kTable.parameters, id);
-  const bool written = packet.row->reply.empty();
-  if (written && function != nullptr && !function->request.empty()) packet.function = function;
+  if (function == nullptr || function->request.empty() || !packet.row->reply.empty()) return;
+  if (data.size() == 1 + protocol::width(function->request)) packet.function = function;
 }
 
 // Finds the rows that the packet names, then the values that those rows lay out.
@@ -88,7 +88,7 @@ void read(Packet& packet, std::uint8_t code, std::span<const std::uint8_t> data)
   if (packet.row == nullptr) return refuse(Status::kBadCode);
   if (packet.row->names != Names::kNothing) {
     if (data.empty()) return refuse(Status::kBadSize);
-    find_named(packet, data[0]);
+    find_named(packet, data);
     if (packet.function == nullptr && packet.parameter == nullptr) {
       return refuse(Status::kBadIndex);
     }
@@ -117,30 +117,14 @@ std::string_view take(std::string_view& text, Predicate wanted) {
   return taken;
 }
 
-// As C does with base 0: decimal, 0x hexadecimal, 0 octal, with or without a sign.
-std::optional<std::int64_t> parse_number(std::string_view text) {
-  const bool negative = text.starts_with('-');
-  if (negative || text.starts_with('+')) text.remove_prefix(1);
-  int base = 10;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    base = 16;
-    text.remove_prefix(2);
-  } else if (text.starts_with('0')) {
-    base = 8;
-  }
-  const auto magnitude = protocol::parse_digits(text, base);
-  if (!magnitude) return std::nullopt;
-  return negative ? -std::int64_t{*magnitude} : std::int64_t{*magnitude};
-}
-
 bool same_name(std::string_view typed, std::string_view name) {
-  return std::ranges::equal(typed, name,
-                            [](char a, char b) { return protocol::to_upper(a) == b; });
+  return std::ranges::equal(typed, name, [](char a, char b) { return protocol::to_upper(a) == b; });
 }
 
 template <class Row>
 const Row* find_name(std::span<const Row> rows, std::string_view name) {
-  const auto row = std::ranges::find_if(rows, [&](const Row& r) { return same_name(name, r.name); });
+  const auto row =
+      std::ranges::find_if(rows, [&](const Row& r) { return same_name(name, r.name); });
   return row != rows.end() ? &*row : nullptr;
 }
 
@@ -176,6 +160,21 @@ Line read_line(std::string_view text) {
 }
 
 }  // namespace
+
+std::optional<std::int64_t> parse_number(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.starts_with('0')) {
+    base = 8;
+  }
+  const auto magnitude = protocol::parse_digits(text, base);
+  if (!magnitude) return std::nullopt;
+  return negative ? -std::int64_t{*magnitude} : std::int64_t{*magnitude};
+}
 
 Status status_of(protocol::Refusal refusal) {
   switch (refusal) {
@@ -346,7 +345,8 @@ LineReplyDecoder::Event LineReplyDecoder::push(std::uint8_t byte) {
   const bool at_start = std::exchange(line_ended_, false);
   if (at_start) buffer_.clear();
   // An axis may stand before the prompt.
-  const bool axis_before = after_end_ && buffer_.size() == 1 && protocol::is_digit(char(buffer_[0]));
+  const bool axis_before =
+      after_end_ && buffer_.size() == 1 && protocol::is_digit(char(buffer_[0]));
   if (at_start || axis_before) {
     if (byte == kAcceptedPrompt || byte == kRefusedPrompt) {
       buffer_.clear();

@@ -77,6 +77,9 @@ std::vector<std::uint8_t> encode_refusal(Status status, const ReplyFormat& forma
 std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted,
                                        std::uint32_t axis = 0);
 
+/// As C does with base 0: decimal, 0x hexadecimal, 0 octal, with or without a sign; nothing if the
+/// text is no number.
+std::optional<std::int64_t> parse_number(std::string_view text);
 /// A variable's value as a line shows it: decimal, or so many hexadecimal digits.
 std::string to_text(const ParameterRow& row, std::int64_t value);
 /// Its reverse; nothing if the text is no number.

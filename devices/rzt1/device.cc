@@ -84,8 +84,8 @@ Settings stored_settings(std::size_t axis, NonVolatileMemory& memory, const Note
   Settings settings = factory;
   if (unpack(*block, settings)) return settings;
   if (notes) {
-    notes(fmt::format("the parameters saved of axis {} are damaged; it has the factory's",
-                      axis + 1));
+    notes(
+        fmt::format("the parameters saved of axis {} are damaged; it has the factory's", axis + 1));
   }
   return factory;
 }
@@ -331,8 +331,8 @@ Bytes Device::answer(Console&, const Packet& packet) {
     if (status != Status::kOk)
       bytes = encode_refusal(status, options_.format);
     else
-      bytes = task.bytes ? *std::move(task.bytes)
-                         : encode_reply(packet, task.reply, options_.format);
+      bytes =
+          task.bytes ? *std::move(task.bytes) : encode_reply(packet, task.reply, options_.format);
   }
   return bytes;
 }
@@ -345,7 +345,7 @@ Status Device::module_data(Task& task) {
 Status Device::report(Task& task) {
   const ServoAxis& axis = servo_.axis(task.axis);
   // In the order of the mask's bits (B.2). The digital inputs are the axis' own four.
-  const std::int64_t fields[] = {axis.position(),      axis.status(),
+  const std::int64_t fields[] = {axis.position(),       axis.status(),
                                  axis.position_error(), axis.total_current(),
                                  axis.halls(),          axis.digital_inputs() & 0xF,
                                  axis.pvt_depth(),      axis.scan_depth()};
@@ -361,9 +361,8 @@ Status Device::call_function(Task& task) {
 
 Status Device::init_pvt(Task& task) {
   const Values& values = task.packet.values;
-  const auto watermark = values.size() > 1
-                             ? std::optional(static_cast<std::int32_t>(values[1]))
-                             : std::nullopt;
+  const auto watermark =
+      values.size() > 1 ? std::optional(static_cast<std::int32_t>(values[1])) : std::nullopt;
   return status_of(
       servo_.axis(task.axis).init_pvt(static_cast<std::int32_t>(values[0]), watermark));
 }
@@ -403,7 +402,8 @@ Status Device::get_trace(Task& task) {
   for (std::size_t i = 0; i < recorder.sample_count(); ++i) {
     samples.push_back(wide ? recorder.value(buffer, i) : recorder.word(buffer, i));
   }
-  task.bytes = encode_trace(samples, wide ? TraceWidth::kFourBytes : TraceWidth::kTwoBytes, options_.format);
+  task.bytes =
+      encode_trace(samples, wide ? TraceWidth::kFourBytes : TraceWidth::kTwoBytes, options_.format);
   return Status::kOk;
 }
 
@@ -461,8 +461,8 @@ Status Device::run_line(std::size_t axis, const Line& line, std::string& text) {
       return Status::kOk;
     }
     if (line.function->code == kGo && line.argument) {
-      const Status status = write(axis, *protocol::find(kTable.parameters, kTargetId),
-                                  *line.argument);
+      const Status status =
+          write(axis, *protocol::find(kTable.parameters, kTargetId), *line.argument);
       if (status != Status::kOk) return status;
     }
     return execute(axis, *line.function);

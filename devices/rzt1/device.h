@@ -1,9 +1,9 @@
-// The board on its serial lines: three consoles, each with a receiver, a default axis and a bit rate
-// of its own, around one servo firmware.
+// The board on its serial lines: three consoles, each with a receiver, a default axis and a bit
+// rate of its own, around one servo firmware.
 //
-// A request is a line of text or a packet, told apart by its first byte. It acts, and is answered, so
-// long after its last byte; what comes in the meantime is lost. A packet that was cut short waits for
-// its missing bytes for ever.
+// A request is a line of text or a packet, told apart by its first byte. It acts, and is answered,
+// so long after its last byte; what comes in the meantime is lost. A packet that was cut short
+// waits for its missing bytes for ever.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ struct DeviceOptions {
   bool lenient = false;
 
   ReplyFormat format;
-  bool prompt_axis = false;       // the axis before the prompt, as a related public firmware does
+  bool prompt_axis = false;        // the axis before the prompt, as a related public firmware does
   std::uint32_t group_master = 0;  // axis that answers for its group, 1 or 2; 0: none does
 };
 
@@ -47,8 +47,8 @@ Settings stored_settings(std::size_t axis, NonVolatileMemory& memory, const Note
 
 class Device {
  public:
-  /// `ports`: of consoles 0, 1 and 2; null where no line is. `first_boot` is how long the first start
-  /// takes. The servo has its settings already.
+  /// `ports`: of consoles 0, 1 and 2; null where no line is. `first_boot` is how long the first
+  /// start takes. The servo has its settings already.
   Device(EventLoop& loop, std::span<SerialPort* const> ports, ServoDrive& servo,
          NonVolatileMemory& memory, DeviceOptions options, SimDuration first_boot,
          WireListener listener = nullptr, NoteListener notes = nullptr);

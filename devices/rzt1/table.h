@@ -1,9 +1,9 @@
 // RZ/T1 motion-control firmware: packets, functions and variables.
 //
-// Source column: section, or page of Appendix A, of R11AN0086JJ0102, Rev.1.02, 2019-07-31. Variables
-// (parameters) and functions share one numbering, 0..144: lines of text name them, packets number
-// them. The document prints no factory values but those of SIM and TBSIZE, and ranges for few: where
-// a row is observed or assumed, that may be all that is.
+// Source column: section, or page of Appendix A, of R11AN0086JJ0102, Rev.1.02, 2019-07-31.
+// Variables (parameters) and functions share one numbering, 0..144: lines of text name them,
+// packets number them. The document prints no factory values but those of SIM and TBSIZE, and
+// ranges for few: where a row is observed or assumed, that may be all that is.
 #pragma once
 
 #include <cstdint>
@@ -68,8 +68,7 @@ inline constexpr Field kIdValue[] = {{.name = "id"},
                                      {.name = "value", .type = WireType::kParameter}};
 inline constexpr Field kValue[] = {{.name = "value", .type = WireType::kParameter}};
 inline constexpr Field kAnyWord[] = {{.name = "value", .type = WireType::kU16}};
-inline constexpr Field kSlice[] = {{.name = "time_slice"},
-                                   {.name = "watermark", .optional = true}};
+inline constexpr Field kSlice[] = {{.name = "time_slice"}, {.name = "watermark", .optional = true}};
 inline constexpr Field kPoint[] = {{.name = "position", .type = WireType::kI32},
                                    {.name = "velocity", .type = WireType::kI32}};
 inline constexpr Field kPoints[] = {
@@ -435,6 +434,48 @@ inline constexpr CodeRow kErrors[] = {
     {.code = 255, .name = "bad_sum", .doc = "The request's checksum does not fit."},
 };
 
+/// Bits of STA (B.2).
+inline constexpr CodeRow kStatusBits[] = {
+    {.code = 0, .name = "complete", .doc = "The motion is complete."},
+    {.code = 1, .name = "servo_on", .doc = "Servo control is on."},
+    {.code = 2, .name = "amplifier_on", .doc = "The PWM amplifier is on."},
+    {.code = 3, .name = "index", .doc = "The index was captured."},
+    {.code = 4, .name = "encoder_fault", .doc = "The absolute encoder has failed."},
+    {.code = 5, .name = "encoder_warning", .doc = "The absolute encoder warns."},
+    {.code = 6, .name = "pvt_low", .doc = "The PVT FIFO is at or below WMARK."},
+    {.code = 7, .name = "phased", .doc = "The rotor's angle is known."},
+    {.code = 8,
+     .name = "busy",
+     .evidence = Evidence::kObserved,
+     .doc = "Homing, phasing or SETUP is under way; printed as reserved."},
+    {.code = 9, .name = "over_current", .doc = "Current over-load."},
+    {.code = 10, .name = "inhibit", .doc = "An input has stopped the axis."},
+    {.code = 11, .name = "starved", .doc = "The PVT FIFO ran empty."},
+    {.code = 12, .name = "overheat", .doc = "I2t."},
+    {.code = 13, .name = "amplifier_fault", .doc = "Inverter fault."},
+    {.code = 14, .name = "position_error", .doc = "The position error was too large."},
+    {.code = 15, .name = "wrapped", .doc = "The position counter has wrapped."},
+};
+
+/// Bits of EQUERY and ERRMASK: not in the document.
+inline constexpr CodeRow kFaults[] = {
+    {.code = 7, .name = "pvt_empty", .evidence = Evidence::kObserved, .doc = "EEMP."},
+    {.code = 13, .name = "position_low", .evidence = Evidence::kObserved, .doc = "EWPOSMIN."},
+    {.code = 15, .name = "position_high", .evidence = Evidence::kObserved, .doc = "EWPOSMAX."},
+    {.code = 17, .name = "position_error", .evidence = Evidence::kObserved, .doc = "MAX, ETIME."},
+    {.code = 18, .name = "input", .evidence = Evidence::kAssumed, .doc = "EMASK."},
+    {.code = 19, .name = "speed_difference", .evidence = Evidence::kObserved, .doc = "EWOVS."},
+    {.code = 20, .name = "over_speed", .evidence = Evidence::kObserved, .doc = "EOVS."},
+    {.code = 21, .name = "over_load", .evidence = Evidence::kObserved, .doc = "EOVC."},
+    {.code = 22, .name = "i2t", .evidence = Evidence::kAssumed, .doc = "PLIMIT, PTIME, CLIMIT."},
+    {.code = 23, .name = "temperature", .evidence = Evidence::kAssumed, .doc = "EOVTEMP."},
+    {.code = 24, .name = "amplifier_fault", .evidence = Evidence::kAssumed, .doc = "The input."},
+    {.code = 25, .name = "pwm_off", .evidence = Evidence::kObserved, .doc = "POE3."},
+    {.code = 26, .name = "over_current", .evidence = Evidence::kObserved, .doc = "CLIMIT, CTIME."},
+    {.code = 27, .name = "over_voltage", .evidence = Evidence::kObserved, .doc = "EHVOLT."},
+    {.code = 28, .name = "under_voltage", .evidence = Evidence::kObserved, .doc = "ELVOLT."},
+};
+
 inline constexpr ProtocolTable kTable = {
     .name = "rzt1",
     .title = "RZ/T1 motion-control firmware, Rev.1.02",
@@ -452,7 +493,7 @@ inline constexpr ProtocolTable kTable = {
     .functions = kFunctions,
     .parameters = kParameters,
     .errors = kErrors,
-    .faults = {},
+    .faults = kFaults,
 };
 static_assert(well_formed(kTable));
 

@@ -61,16 +61,15 @@ constexpr Register phase() {
 }
 template <std::int32_t ErrorLatch::* kMember>
 constexpr Register latched() {
-  return {
-      [](ServoDrive& servo, std::size_t axis) -> Reading {
-        return servo.axis(axis).latched().*kMember;
-      },
-      [](ServoDrive& servo, std::size_t axis, std::int32_t value) {
-        ErrorLatch latch = servo.axis(axis).latched();
-        latch.*kMember = value;
-        servo.axis(axis).set_latched(latch);
-        return Result::kOk;
-      }};
+  return {[](ServoDrive& servo, std::size_t axis) -> Reading {
+            return servo.axis(axis).latched().*kMember;
+          },
+          [](ServoDrive& servo, std::size_t axis, std::int32_t value) {
+            ErrorLatch latch = servo.axis(axis).latched();
+            latch.*kMember = value;
+            servo.axis(axis).set_latched(latch);
+            return Result::kOk;
+          }};
 }
 template <std::size_t kNumber>
 constexpr Register output() {
@@ -82,25 +81,23 @@ constexpr Register output() {
 }
 template <std::size_t kChannel>
 constexpr Register trace_channel() {
-  return {[](ServoDrive& servo, std::size_t) -> Reading {
-            return servo.recorder().channel(kChannel);
-          },
-          [](ServoDrive& servo, std::size_t axis, std::int32_t value) {
-            return servo.recorder().set_channel(kChannel, value, axis);
-          }};
+  return {
+      [](ServoDrive& servo, std::size_t) -> Reading { return servo.recorder().channel(kChannel); },
+      [](ServoDrive& servo, std::size_t axis, std::int32_t value) {
+        return servo.recorder().set_channel(kChannel, value, axis);
+      }};
 }
 
 constexpr Register kTrigger = {
     [](ServoDrive& servo, std::size_t) -> Reading { return servo.recorder().trigger(); },
     [](ServoDrive& servo, std::size_t, std::int32_t value) { return servo.set_trigger(value); }};
 // The recorder's own state: a host can stop it, TRACE starts it.
-constexpr Register kTraceMode = {
-    [](ServoDrive& servo, std::size_t) -> Reading {
-      return static_cast<std::int64_t>(servo.recorder().mode());
-    },
-    [](ServoDrive& servo, std::size_t, std::int32_t value) {
-      return value == 0 ? servo.set_trigger(0) : Result::kOk;
-    }};
+constexpr Register kTraceMode = {[](ServoDrive& servo, std::size_t) -> Reading {
+                                   return static_cast<std::int64_t>(servo.recorder().mode());
+                                 },
+                                 [](ServoDrive& servo, std::size_t, std::int32_t value) {
+                                   return value == 0 ? servo.set_trigger(0) : Result::kOk;
+                                 }};
 constexpr Register kTraceRate = {
     [](ServoDrive& servo, std::size_t) -> Reading { return servo.recorder().rate(); },
     [](ServoDrive& servo, std::size_t, std::int32_t value) {
@@ -128,11 +125,10 @@ constexpr Register kPvtPosition = {[](ServoDrive& servo, std::size_t axis) -> Re
                                      return servo.axis(axis).pending_pvt().position;
                                    },
                                    &taken<&ServoAxis::set_pvt_position>};
-constexpr Register kPvtVelocity = {
-    [](ServoDrive& servo, std::size_t axis) -> Reading {
-      return servo.axis(axis).pending_pvt().velocity;
-    },
-    &taken<&ServoAxis::push_pvt_velocity>};
+constexpr Register kPvtVelocity = {[](ServoDrive& servo, std::size_t axis) -> Reading {
+                                     return servo.axis(axis).pending_pvt().velocity;
+                                   },
+                                   &taken<&ServoAxis::push_pvt_velocity>};
 constexpr Register kEncoderWord = {
     [](ServoDrive& servo, std::size_t axis) -> Reading {
       std::uint16_t word = 0;
@@ -304,7 +300,8 @@ constexpr auto kCalls = std::to_array<protocol::Binding<Call>>({
     {113, call_of<&A::setup>()},
     {115, nullptr},
     {116, nullptr},
-    {142, [](ServoAxis& axis) {
+    {142,
+     [](ServoAxis& axis) {
        axis.reset_errors();
        return Result::kOk;
      }},

@@ -33,8 +33,8 @@ class Variables {
   Reading read(std::size_t axis, const ParameterRow& row);
   Status write(std::size_t axis, const ParameterRow& row, std::int64_t value);
 
-  /// True for functions that concern one axis and nothing else; RESET, PLAY, SAVE and RESTORE are the
-  /// device's.
+  /// True for functions that concern one axis and nothing else; RESET, PLAY, SAVE and RESTORE are
+  /// the device's.
   bool has_call(std::uint16_t id) const;
   Status call(std::size_t axis, std::uint16_t id);
 

@@ -198,20 +198,21 @@ TEST(Rzt1Packets, SetupIsAlsoStartedByAWrite) {
 }
 
 TEST(Rzt1Packets, ATracesLengthStandsInFrontOfIt) {
-  const std::int32_t samples[] = {100, -100, 1024};
+  const std::int32_t samples[] = {100, -100, 0};
   EXPECT_EQ(encode_trace(samples, TraceWidth::kTwoBytes), response("07_Trace_3x16"));
   for (const TraceWidth width : {TraceWidth::kTwoBytes, TraceWidth::kFourBytes}) {
     std::vector<std::int32_t> many(kTraceSize, -7);
     PacketReplyDecoder decoder(decode(request("07_Trace_ch1_16")));
     const Bytes bytes = encode_trace(many, width);
     for (std::size_t i = 0; i < bytes.size(); ++i) {
+      SCOPED_TRACE(i);
       ASSERT_EQ(decoder.push(bytes[i]), i + 1 == bytes.size() ? PacketReplyDecoder::Event::kReply
                                                               : PacketReplyDecoder::Event::kNone);
     }
     EXPECT_TRUE(std::ranges::equal(decoder.samples(), many));
   }
   EXPECT_EQ(encode_trace(samples, TraceWidth::kTwoBytes, {.raw_trace = true}),
-            from_hex("00 64 00 9c ff 00 04 03"));
+            from_hex("00 64 00 9c ff 00 00 ff"));
 }
 
 TEST(Rzt1Packets, TheStatusMayTakeTwoBytes) {
