@@ -51,16 +51,15 @@ std::string_view name_of(Status status) {
 }
 
 std::string describe(const Packet& packet) {
-  if (packet.row == nullptr) return fmt::format("to {}: unknown code", packet.address);
-  std::string text = fmt::format("to {}: {}", packet.address, packet.row->name);
+  if (packet.row == nullptr) return fmt::format("unknown code, to {}", packet.address);
+  std::string text(packet.row->name);
   if (packet.function != nullptr) text += fmt::format(" {}", packet.function->name);
   if (packet.parameter != nullptr) text += fmt::format(" {}", packet.parameter->name);
-  if (packet.status != Status::kOk) return text;
   const std::size_t first = packet.row->names == Names::kNothing ? 0 : 1;
   for (std::size_t i = first; i < packet.values.size(); ++i) {
     text += fmt::format(" {}", packet.values[i]);
   }
-  return text;
+  return text + fmt::format(" to {}", packet.address);
 }
 
 std::string printable(std::span<const std::uint8_t> bytes) {

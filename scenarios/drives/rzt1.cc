@@ -12,6 +12,7 @@
 #include "core/names.h"
 #include "devices/rzt1/device.h"
 #include "scenarios/drives/rzt1_words.h"
+#include "scenarios/sensor_signals.h"
 
 namespace virtdrive {
 namespace {
@@ -450,27 +451,17 @@ void Rzt1Drive::register_sensors(Registry& registry, std::size_t number) {
       registry, fmt::format("encoder{}.index", number), "deg", "Angle of the index mark", -360, 360,
       [&its] { return its.incremental.index_angle_rad / kDegree; },
       [&its](double value) { its.incremental.index_angle_rad = value * kDegree; });
+  const auto changed = [this, &its] {
+    its.incremental_cut = its.incremental.cable_broken;
+    surroundings_changed();
+  };
+  name_sensor(registry, fmt::format("encoder{}", number), its.incremental, changed);
+  name_sensor(registry, fmt::format("hall{}", number), its.halls, changed);
+  name_sensor(registry, fmt::format("absolute{}", number), its.absolute.sensor, changed);
   add_input(
-      registry, fmt::format("encoder{}.index_dead", number), "", "The index never comes", 0, 1,
-      [&its] { return its.incremental.index_dead ? 1 : 0; },
-      [&its](double value) { its.incremental.index_dead = value > 0; }, true);
-  add_input(
-      registry, fmt::format("encoder{}.cut", number), "", "The incremental encoder's cable is cut",
-      0, 1, [&its] { return its.incremental_cut ? 1 : 0; },
-      [&its](double value) { its.incremental_cut = value > 0; }, true);
-  add_input(
-      registry, fmt::format("encoder{}.silent", number), "", "The absolute encoder answers no more",
-      0, 1, [&its] { return its.absolute.silent ? 1 : 0; },
+      registry, fmt::format("absolute{}.silent", number), "",
+      "The absolute encoder answers no more", 0, 1, [&its] { return its.absolute.silent ? 1 : 0; },
       [&its](double value) { its.absolute.silent = value > 0; }, true);
-  add_input(
-      registry, fmt::format("encoder{}.battery", number), "",
-      "The absolute encoder's battery: 1 low, 2 lost", 0, 2,
-      [&its] { return static_cast<int>(its.absolute.sensor.battery); },
-      [&its](double value) {
-        its.absolute.sensor.battery =
-            static_cast<AbsoluteEncoder::Battery>(static_cast<int>(value));
-      },
-      true);
   add_input(
       registry, fmt::format("hall{}.plug", number), "",
       "Where the Hall sensors are: 0 nowhere, 1 at the encoder's connector, 2 at P5", 0, 2,
