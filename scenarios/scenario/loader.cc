@@ -497,11 +497,8 @@ Action Loader::read_read(const Context& c, std::string& text) {
 Action Loader::read_call(const Context& c, std::string& text) {
   BenchDrive& drive = drive_of(c.map);
   const protocol::CommandRow& row = command_named(c.value, drive.kind().table);
-  CallCommand call{.drive = drive.name(),
-                   .command = c.value.text(),
-                   .request = {},
-                   .fields = {},
-                   .reply = {}};
+  CallCommand call{
+      .drive = drive.name(), .command = c.value.text(), .request = {}, .fields = {}, .reply = {}};
   text += fmt::format(" {}", call.command);
   const auto request = flat_fields(row.request);
   const auto reply = flat_fields(row.reply);

@@ -1,5 +1,5 @@
-// A board that hears anything on its three consoles: no crash, no hang, bounded memory, and after any
-// burst it answers a good packet and a good line as it should.
+// A board that hears anything on its three consoles: no crash, no hang, bounded memory, and after
+// any burst it answers a good packet and a good line as it should.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -39,8 +39,8 @@ class Listener {
   std::vector<std::uint8_t> heard_;
 };
 
-// A packet has at most 260 bytes; the CR ends the line that further noughts are. A request is handled
-// before the next byte comes. RESET takes 100 ms, an absolute encoder 150 more.
+// A packet has at most 260 bytes; the CR ends the line that further noughts are. A request is
+// handled before the next byte comes. RESET takes 100 ms, an absolute encoder 150 more.
 void end_anything(Listener& host) {
   host.ask({}, 300ms);
   for (int i = 0; i < 260; ++i) {

@@ -1,5 +1,5 @@
-// Requests and replies of the RZ/T1 protocols from a seed, each with what our decoders make of it, a
-// line each:
+// Requests and replies of the RZ/T1 protocols from a seed, each with what our decoders make of it,
+// a line each:
 //
 //   packet aa010305 0edc05f8 packet 1 5 14 1500
 //   packet aa01010860 refused 1 1
@@ -120,13 +120,11 @@ std::string packet_line(RandomStream& random) {
 std::string text_line(RandomStream& random) {
   constexpr std::string_view kAxesTyped[] = {"", "", "1", "2", "3", "0"};
   constexpr std::string_view kGaps[] = {"", " ", "  ", "\t", "=", " = ", "= "};
-  constexpr std::string_view kNumbers[] = {"",     "5",    "-12",        "+7", "0x1F", "017",
-                                           "089",  "0",    "4294967295", "x",  "0x",   "-",
-                                           "12 3", "5  "};
+  constexpr std::string_view kNumbers[] = {"",  "5",          "-12", "+7", "0x1F", "017",  "089",
+                                           "0", "4294967295", "x",   "0x", "-",    "12 3", "5  "};
   std::string typed(kAxesTyped[below(random, std::size(kAxesTyped))]);
-  std::string name(below(random, 2) == 0
-                       ? kFunctions[below(random, std::size(kFunctions))].name
-                       : kParameters[below(random, std::size(kParameters))].name);
+  std::string name(below(random, 2) == 0 ? kFunctions[below(random, std::size(kFunctions))].name
+                                         : kParameters[below(random, std::size(kParameters))].name);
   if (below(random, 4) == 0) std::ranges::transform(name, name.begin(), protocol::to_lower);
   if (below(random, 10) == 0) name += 'Q';
   if (below(random, 20) == 0) name.clear();
@@ -147,14 +145,14 @@ std::string reply_line(RandomStream& random) {
   if (request.parameter != nullptr) {
     fields = protocol::with_value(fields, protocol::value_fields(*request.parameter));
   }
-  constexpr Status kRefusals[] = {Status::kBadCode,   Status::kBadIndex,     Status::kBadSize,
-                                  Status::kOutOfRange, Status::kReadOnly,    Status::kInterlock,
+  constexpr Status kRefusals[] = {Status::kBadCode,    Status::kBadIndex,     Status::kBadSize,
+                                  Status::kOutOfRange, Status::kReadOnly,     Status::kInterlock,
                                   Status::kFault,      Status::kInvalidState, Status::kOverflow,
                                   Status::kExecution,  Status::kBadSum};
-  Bytes frame = below(random, 4) == 0
-                    ? encode_refusal(kRefusals[below(random, std::size(kRefusals))])
-                    : encode_reply(request, random_values(fields, kTable.framing.order, kMarks,
-                                                          random));
+  Bytes frame =
+      below(random, 4) == 0
+          ? encode_refusal(kRefusals[below(random, std::size(kRefusals))])
+          : encode_reply(request, random_values(fields, kTable.framing.order, kMarks, random));
   if (below(random, 10) == 0) frame.back() ^= static_cast<std::uint8_t>(1U << below(random, 8));
   if (below(random, 10) == 0) frame.pop_back();
   PacketReplyDecoder decoder(request);
@@ -162,10 +160,10 @@ std::string reply_line(RandomStream& random) {
   for (const std::uint8_t byte : frame) {
     const auto event = decoder.push(byte);
     if (event == PacketReplyDecoder::Event::kNone) continue;
-    verdict = event == PacketReplyDecoder::Event::kBadSum
-                  ? "bad_sum"
-                  : fmt::format("reply {}{}", static_cast<int>(decoder.status()),
-                                text(decoder.values()));
+    verdict =
+        event == PacketReplyDecoder::Event::kBadSum
+            ? "bad_sum"
+            : fmt::format("reply {}{}", static_cast<int>(decoder.status()), text(decoder.values()));
     break;
   }
   return fmt::format("reply {} {} {}\n", hex(encode_request(request)), hex(frame), verdict);
