@@ -68,7 +68,9 @@ void Bench::add_line(const LineSpec& spec, const BenchOptions& options) {
         spec.name));
   }
   lines_.push_back(std::make_unique<NamedLine>(
-      loop_, spec.name, LineSettings{.timing = spec.timing, .baud = spec.baud.value_or(port.baud), .parity = port.parity},
+      loop_, spec.name,
+      LineSettings{
+          .timing = spec.timing, .baud = spec.baud.value_or(port.baud), .parity = port.parity},
       LineOptions{.duplex = duplex, .echo = spec.echo, .chance = seed_.stream(spec.name)}));
 }
 

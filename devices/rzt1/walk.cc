@@ -23,6 +23,7 @@ constexpr std::uint8_t kReportPacket = 1, kCallPacket = 2, kInitPacket = 3, kStr
                        kSetPacket = 5, kGetPacket = 6;
 constexpr std::uint16_t kReset = 88, kOn = 89, kDisable = 92, kHome = 95, kAlign = 96, kSetup = 113,
                         kErrorReset = 142;
+constexpr std::uint16_t kBias = 24, kPwm = 100, kIqpkt = 101, kIdpkt = 102;
 constexpr std::uint16_t kU = 57, kV = 58, kW = 59, kData0 = 63, kTraceMode = 73, kTimer = 77,
                         kPosition = 82, kVersionId = 97, kEncoderType = 117, kEncoderId = 118,
                         kEncoderWord = 120, kAddress = 123;
@@ -30,7 +31,7 @@ constexpr std::uint16_t kU = 57, kV = 58, kW = 59, kData0 = 63, kTraceMode = 73,
 // What moves the rotor comes last; before and after, the amplifier goes off, and what limits that
 // were walked have latched is cleared.
 constexpr std::array kMoving = {kOn, kAlign, kSetup};
-bool moves(const CommandRow& row) {
+bool turns_rotor(const CommandRow& row) {
   return std::ranges::find(kMoving, row.code) != kMoving.end();
 }
 
@@ -94,7 +95,7 @@ std::optional<Setting> CommonDialect::setting(const Values& reply) const {
 // A reset makes the board deaf; homing wants a servo that is on and phased.
 Effect CommonDialect::effect(const CommandRow& row) const {
   if (row.code == kReset || row.code == kHome) return Effect::kSkip;
-  return moves(row) ? Effect::kLast : Effect::kNone;
+  return turns_rotor(row) ? Effect::kLast : Effect::kNone;
 }
 
 // Not kept as they are written: a timer, outputs and states that the board overwrites, and what an
@@ -105,8 +106,14 @@ Effect CommonDialect::effect(const ParameterRow& row) const {
   return std::ranges::find(kNotKept, row.id) != kNotKept.end() ? Effect::kSkip : Effect::kNone;
 }
 
+// Outputs of an amplifier that is on.
+bool CommonDialect::moves(const ParameterRow& row) const {
+  constexpr std::array kOutputs = {kBias, kPwm, kIqpkt, kIdpkt};
+  return std::ranges::find(kOutputs, row.id) != kOutputs.end();
+}
+
 std::vector<Bytes> CommonDialect::before(const CommandRow& row, std::uint8_t) const {
-  if (!moves(row)) return {};
+  if (!turns_rotor(row)) return {};
   return {command(function_row(kDisable), {}), command(function_row(kErrorReset), {})};
 }
 std::vector<Bytes> CommonDialect::after(const CommandRow& row, std::uint8_t channel) const {

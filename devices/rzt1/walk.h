@@ -19,6 +19,7 @@ class CommonDialect : public protocol::Dialect {
   std::uint16_t highest_id() const override { return 0xFF; }
   protocol::Effect effect(const CommandRow& row) const override;
   protocol::Effect effect(const ParameterRow& row) const override;
+  bool moves(const ParameterRow& row) const override;
   std::vector<protocol::Bytes> before(const CommandRow& row, std::uint8_t channel) const override;
   std::vector<protocol::Bytes> after(const CommandRow& row, std::uint8_t channel) const override;
 };

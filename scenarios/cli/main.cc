@@ -56,6 +56,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->add_option("--link2", options->link2,
                    "A terminal with this link for the drive's second port, where it has one")
       ->check(not_empty());
+  command
+      ->add_option("--link3", options->link3,
+                   "A terminal with this link for the drive's third port, where it has one")
+      ->check(not_empty());
   CLI::Option* const tcp =
       command
           ->add_option("--tcp", options->tcp,

@@ -1,3 +1,4 @@
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -201,6 +202,11 @@ void report(const RunOptions& options, Bench& bench, const Port& port, const Pac
       port.overrun(), pacing.overruns, seconds(SimDuration(pacing.max_lag)) * 1e3, bench.seed()));
 }
 
+// Of the port behind the first, and so on.
+std::string further_line(std::size_t i) {
+  return fmt::format("line{}", i + 2);
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -215,16 +221,23 @@ int run(const RunOptions& options) {
   if (options.signals.empty() != options.record.empty()) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
-  if (!options.link2.empty()) {
-    bench_options.lines.push_back({.name = "line2", .timing = bench_options.lines[0].timing});
-    bench_options.drives[0].other_lines = {"line2"};
+  const std::array<const std::string*, 2> further = {&options.link2, &options.link3};
+  for (std::size_t i = 0; i < further.size(); ++i) {
+    if (further[i]->empty()) continue;
+    const std::string line = further_line(i);
+    bench_options.lines.push_back({.name = line, .timing = bench_options.lines[0].timing});
+    bench_options.drives[0].other_lines.resize(i + 1);
+    bench_options.drives[0].other_lines[i] = line;
   }
   Bench bench(bench_options);
   std::optional<Start> start;
   if (!options.start.empty()) start = parse_start(options.start, bench.drive().kind());
   const Port port = open_port(options, bench.line());
-  std::optional<PtyEndpoint> second;
-  if (!options.link2.empty()) second.emplace(bench.line("line2"), options.link2);
+  std::vector<std::unique_ptr<PtyEndpoint>> others;
+  for (std::size_t i = 0; i < further.size(); ++i) {
+    if (further[i]->empty()) continue;
+    others.push_back(std::make_unique<PtyEndpoint>(bench.line(further_line(i)), *further[i]));
+  }
   std::optional<Recorder> recorder;
   if (!options.record.empty()) {
     recorder.emplace(bench.loop(), bench.registry(), options.record, options.signals,
@@ -249,7 +262,7 @@ int run(const RunOptions& options) {
     runner.add(*control);
   }
   runner.add(*port.endpoint);
-  if (second) runner.add(*second);
+  for (const auto& other : others) runner.add(*other);
   announce(options, bench, port);
   if (!options.rate && !options.duration_s) {
     console.print_line("free run: simulated time passes much faster than a host program expects");

@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "core/names.h"
 #include "devices/rzt1/device.h"
+#include "devices/rzt1/walk.h"
 #include "scenarios/drives/rzt1_words.h"
 #include "scenarios/sensor_signals.h"
 
@@ -503,7 +504,8 @@ DriveKind rzt1_kind() {
           .make = [](const DriveContext& context) -> std::unique_ptr<Drive> {
             return std::make_unique<Rzt1Drive>(context);
           },
-          .make_host = make_rzt1_host};
+          .make_host = make_rzt1_host,
+          .make_dialect = [] { return std::make_unique<PacketDialect>(); }};
 }
 
 }  // namespace virtdrive

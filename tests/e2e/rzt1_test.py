@@ -6,9 +6,12 @@ import shutil
 import subprocess
 import time
 import unittest
+import xml.etree.ElementTree
 
 import rzt1
-from program import ProgramTest
+from program import SOURCE, ProgramTest
+
+EXAMPLE = SOURCE / "docs/examples/rzt1/step_response.py"
 
 LONG = "VIRTDRIVE_ENDURANCE" in os.environ
 CYCLE_S = 100e-6
@@ -64,14 +67,14 @@ class Hosts(DriveTest):
             self.assertEqual(refused.exception.status, status)
 
     def test_console_2_says_R_after_a_reset(self):
-        second = self.path("con1")
-        host = self.start("--link2", second)
-        with rzt1.Host(second) as other:
+        second, third = self.path("con1"), self.path("con2")
+        host = self.start("--link2", second, "--link3", third)
+        with rzt1.Host(second) as other, rzt1.Host(third) as ready:
             self.assertEqual(other.line("2"), "\r\n>")
             self.assertEqual(other.line("ADDR"), "2\r\n>")
             self.assertEqual(host.line("ADDR"), "1\r\n>")
             self.assertEqual(host.line("RESET"), "\r\n>")
-            time.sleep(0.3)
+            self.assertEqual(ready.read(1), b"R")
             self.assertEqual(other.line("ADDR"), "1\r\n>")
 
 
@@ -129,6 +132,22 @@ class Streaming(DriveTest):
         self.wait_for("standstill", lambda: host.report(2)[0] & rzt1.COMPLETE)
         report = self.bench_.stop()
         self.assertEqual((report["bad_frames"], report["bytes_lost_busy"]), (0, 0))
+
+
+class Example(DriveTest):
+    """docs/examples/rzt1/step_response.py, as a reader would run it."""
+
+    def test_it_draws_a_step_response_as_the_page_shows_it(self):
+        bench = self.bench(drive="rzt1")
+        picture = self.path("step-response.svg")
+        result = self.run_command(["/usr/bin/python3", "-B", EXAMPLE, bench.link, "--svg", picture])
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("position error", result.stdout)
+        drawn = xml.etree.ElementTree.parse(picture).getroot()
+        committed = xml.etree.ElementTree.parse(EXAMPLE.parent / "step-response.svg").getroot()
+        for root in (drawn, committed):
+            lines = root.findall("{http://www.w3.org/2000/svg}polyline")
+            self.assertEqual([len(line.get("points").split()) for line in lines], [512] * 3)
 
 
 @unittest.skipUnless(shutil.which("tmux") and shutil.which("picocom"), "needs tmux and picocom")

@@ -110,7 +110,7 @@ def draw(rows, step_s):
         text.append(f'<line x1="{left}" y1="{zero:.1f}" x2="{width - 16}" y2="{zero:.1f}" stroke="#ccc"/>')
         for value in sorted({low, high}):
             text.append(f'<text x="{left - 6}" y="{top + (high - value) * scale + 4:.1f}" '
-                        f'text-anchor="end">{value:.3g}</text>')
+                        f'text-anchor="end">{value:.{0 if abs(value) >= 100 else 2}f}</text>')
         points = " ".join(at(n, value) for n, value in enumerate(values))
         text.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
     text.append(f'<text x="{width - 16}" y="{3 * (height + gap) - 8}" text-anchor="end">'
