@@ -57,6 +57,10 @@ SimTime LineEnd::send(std::span<const std::uint8_t> bytes) {
       .send(talker_, bytes, settings_, line_.active_faults(LineDirection::kToHost));
 }
 
+bool LineEnd::shared() const {
+  return line_.devices() > 1;
+}
+
 void LineEnd::set_baud(int baud) {
   LineSettings settings = settings_;
   settings.baud = baud;

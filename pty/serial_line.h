@@ -65,6 +65,8 @@ class LineEnd final : public SerialPort {
   void set_settings(const LineSettings& settings);
   const LineSettings& settings() const { return settings_; }
 
+  /// Others hang on the same line.
+  bool shared() const;
   /// From 0, in the order in which devices were added.
   int number() const { return talker_.id(); }
 

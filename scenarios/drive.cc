@@ -7,6 +7,7 @@
 #include "core/names.h"
 #include "scenarios/drives/asd7.h"
 #include "scenarios/drives/md.h"
+#include "scenarios/drives/rzt1.h"
 #include "scenarios/drives/toshiba_mcu.h"
 
 namespace virtdrive {
@@ -16,6 +17,7 @@ const std::vector<DriveKind>& drive_catalogue() {
     std::vector<DriveKind> kinds = {toshiba_mcu_kind()};
     for (DriveKind& kind : md_kinds()) kinds.push_back(std::move(kind));
     for (DriveKind& kind : asd7_kinds()) kinds.push_back(std::move(kind));
+    kinds.push_back(rzt1_kind());
     return kinds;
   }();
   return catalogue;

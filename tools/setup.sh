@@ -4,7 +4,7 @@
 readonly PACKAGES_RUN="ca-certificates ccache cmake g++ libboost-dev libcli11-dev libfmt-dev \
 libmatio-dev libsundials-dev libyaml-cpp-dev ninja-build nlohmann-json3-dev"
 readonly PACKAGES_TEST="libbenchmark-dev libeigen3-dev libgtest-dev mbpoll picocom python3 python3-can \
-python3-jsonschema python3-junitparser python3-serial python3-yaml socat"
+python3-jsonschema python3-junitparser python3-serial python3-yaml socat tmux"
 readonly PACKAGES_CHECK="clang-19 clang-format-19 libclang-rt-19-dev llvm-19"
 
 say() { printf '%s\n' "$*" >&2; }

@@ -4,31 +4,81 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "core/check.h"
 #include "devices/protocol/checksum.h"
 #include "devices/protocol/text.h"
 
 namespace virtdrive::rzt1 {
 namespace {
 
-constexpr std::size_t kHeader = 4;  // start, address, length, code
+constexpr std::size_t kHeader = 4;       // start, address, length, code
+constexpr std::size_t kTraceHeader = 3;  // count, size
 constexpr std::string_view kEndOfLine = "\r\n";
 constexpr const Framing& kFraming = kTable.framing;
 
 using Values = protocol::Values;
+using protocol::values;
 
 // --- Packets -------------------------------------------------------------------------------------
 
-std::vector<Field> value_of(const ParameterRow* parameter) {
-  return parameter != nullptr ? protocol::value_fields(*parameter) : std::vector<Field>{};
+// What stands for the value of what the packet names.
+std::vector<Field> value_of(const Packet& packet) {
+  if (packet.parameter != nullptr) return protocol::value_fields(*packet.parameter);
+  if (packet.function == nullptr) return {};
+  return {packet.function->request.begin(), packet.function->request.end()};
 }
 
+// All that the row has, optional fields too.
 std::vector<Field> request_fields(const Packet& packet) {
-  return protocol::with_value(packet.row->request, value_of(packet.parameter));
+  return protocol::with_value(packet.row->request, value_of(packet));
 }
 
 std::vector<Field> reply_fields(const Packet& request) {
   if (request.row->reply_by_mask) return protocol::masked(request.row->reply, request.values[0]);
-  return protocol::with_value(request.row->reply, value_of(request.parameter));
+  return protocol::with_value(request.row->reply, value_of(request));
+}
+
+bool is_stream(const CommandRow& row) {
+  return !row.request.empty() && row.request.data() == kPoints;
+}
+bool is_trace(const CommandRow& row) {
+  return !row.reply.empty() && row.reply.data() == kTrace;
+}
+
+// A count, where there is one, and so many points.
+std::vector<Field> stream_fields(bool counted, std::size_t points) {
+  std::vector<Field> fields;
+  if (counted) fields.push_back(kPoints[0]);
+  fields.push_back(kPoints[1]);
+  fields.back().count = points;
+  return fields;
+}
+
+// Both layouts of B.5: which one it is the length tells.
+void read_stream(Packet& packet, std::span<const std::uint8_t> data) {
+  constexpr std::size_t kPointSize = protocol::width(kPoint);
+  const std::size_t points = data.size() / kPointSize;
+  packet.counted = data.size() % kPointSize == 1;
+  const bool fits = packet.counted ? data[0] == points : data.size() % kPointSize == 0;
+  if (points == 0 || !fits) {
+    packet.status = Status::kBadSize;
+    return;
+  }
+  packet.values = protocol::unpack(stream_fields(packet.counted, points), kFraming.order, data);
+}
+
+// The document's SETUP is a variable that starts something when it is written: by its request
+// fields such a function is told from others.
+void find_named(Packet& packet, std::span<const std::uint8_t> data) {
+  const std::uint8_t id = data[0];
+  const CommandRow* function = protocol::find(kTable.functions, id);
+  if (packet.row->names == Names::kFunction) {
+    packet.function = function;
+    return;
+  }
+  packet.parameter = protocol::find(kTable.parameters, id);
+  if (function == nullptr || function->request.empty() || !packet.row->reply.empty()) return;
+  if (data.size() == 1 + protocol::width(function->request)) packet.function = function;
 }
 
 // Finds the rows that the packet names, then the values that those rows lay out.
@@ -38,16 +88,16 @@ void read(Packet& packet, std::uint8_t code, std::span<const std::uint8_t> data)
   if (packet.row == nullptr) return refuse(Status::kBadCode);
   if (packet.row->names != Names::kNothing) {
     if (data.empty()) return refuse(Status::kBadSize);
-    if (packet.row->names == Names::kFunction) {
-      packet.function = protocol::find(kTable.functions, data[0]);
-    } else {
-      packet.parameter = protocol::find(kTable.parameters, data[0]);
-    }
+    find_named(packet, data);
     if (packet.function == nullptr && packet.parameter == nullptr) {
       return refuse(Status::kBadIndex);
     }
   }
-  const std::vector<Field> fields = request_fields(packet);
+  if (is_stream(*packet.row)) return read_stream(packet, data);
+  std::vector<Field> fields = request_fields(packet);
+  while (!fields.empty() && fields.back().optional && protocol::width(fields) > data.size()) {
+    fields.pop_back();
+  }
   if (protocol::width(fields) != data.size()) return refuse(Status::kBadSize);
   packet.values = protocol::unpack(fields, kFraming.order, data);
 }
@@ -67,29 +117,20 @@ std::string_view take(std::string_view& text, Predicate wanted) {
   return taken;
 }
 
-// As C does with base 0: decimal, 0x hexadecimal, 0 octal, with or without a sign.
-std::optional<std::int64_t> parse_number(std::string_view text) {
-  const bool negative = text.starts_with('-');
-  if (negative || text.starts_with('+')) text.remove_prefix(1);
-  int base = 10;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    base = 16;
-    text.remove_prefix(2);
-  } else if (text.starts_with('0')) {
-    base = 8;
-  }
-  const auto magnitude = protocol::parse_digits(text, base);
-  if (!magnitude) return std::nullopt;
-  return negative ? -std::int64_t{*magnitude} : std::int64_t{*magnitude};
+bool same_name(std::string_view typed, std::string_view name) {
+  return std::ranges::equal(typed, name, [](char a, char b) { return protocol::to_upper(a) == b; });
 }
 
 template <class Row>
 const Row* find_name(std::span<const Row> rows, std::string_view name) {
-  const auto same = [](char a, char b) { return protocol::to_upper(a) == b; };
-  const auto row = std::ranges::find_if(rows, [&](const Row& r) {
-    return std::equal(name.begin(), name.end(), r.name.begin(), r.name.end(), same);
-  });
+  const auto row =
+      std::ranges::find_if(rows, [&](const Row& r) { return same_name(name, r.name); });
   return row != rows.end() ? &*row : nullptr;
+}
+
+const ParameterRow* find_alias(std::string_view name) {
+  const Alias* const alias = find_name(std::span<const Alias>(kAliases), name);
+  return alias != nullptr ? protocol::find(kTable.parameters, alias->id) : nullptr;
 }
 
 Line read_line(std::string_view text) {
@@ -107,6 +148,7 @@ Line read_line(std::string_view text) {
   if (!name.empty()) {
     line.function = find_name(kTable.functions, name);
     line.parameter = find_name(kTable.parameters, name);
+    if (line.parameter == nullptr) line.parameter = find_alias(name);
     line.accepted &= line.function != nullptr || line.parameter != nullptr;
   }
   if (!number.empty()) {
@@ -118,6 +160,21 @@ Line read_line(std::string_view text) {
 }
 
 }  // namespace
+
+std::optional<std::int64_t> parse_number(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.starts_with('0')) {
+    base = 8;
+  }
+  const auto magnitude = protocol::parse_digits(text, base);
+  if (!magnitude) return std::nullopt;
+  return negative ? -std::int64_t{*magnitude} : std::int64_t{*magnitude};
+}
 
 Status status_of(protocol::Refusal refusal) {
   switch (refusal) {
@@ -136,7 +193,14 @@ Status status_of(protocol::Refusal refusal) {
 }
 
 std::vector<std::uint8_t> encode_request(const Packet& packet) {
-  const std::vector<Field> fields = request_fields(packet);
+  std::vector<Field> fields = request_fields(packet);
+  if (is_stream(*packet.row)) {
+    const auto points = packet.counted ? static_cast<std::size_t>(packet.values[0])
+                                       : packet.values.size() / values(kPoint);
+    VIRTDRIVE_CHECK(points <= kMostPoints, "{} points in a packet", points);
+    fields = stream_fields(packet.counted, points);
+  }
+  while (values(fields) > packet.values.size()) fields.pop_back();
   std::vector<std::uint8_t> bytes = {kStart, packet.address,
                                      static_cast<std::uint8_t>(protocol::width(fields)),
                                      static_cast<std::uint8_t>(packet.row->code)};
@@ -154,20 +218,43 @@ std::vector<std::uint8_t> encode_request(const Line& line) {
   return {text.begin(), text.end()};
 }
 
-std::vector<std::uint8_t> encode_reply(const Packet& request, const Values& values) {
-  std::vector<std::uint8_t> bytes = {static_cast<std::uint8_t>(Status::kOk)};
+std::vector<std::uint8_t> encode_reply(const Packet& request, const Values& values,
+                                       const ReplyFormat& format) {
+  std::vector<std::uint8_t> bytes(format.status_bytes, 0);
   protocol::pack(reply_fields(request), kFraming.order, values, bytes);
   bytes.push_back(protocol::sum8(bytes));
   return bytes;
 }
 
-std::vector<std::uint8_t> encode_refusal(Status status) {
-  return {static_cast<std::uint8_t>(status), static_cast<std::uint8_t>(status)};
+std::vector<std::uint8_t> encode_trace(std::span<const std::int32_t> samples, TraceWidth width,
+                                       const ReplyFormat& format) {
+  std::vector<std::uint8_t> bytes(format.status_bytes, 0);
+  const auto put = [&](WireType type, std::int64_t value) {
+    bytes.resize(bytes.size() + protocol::width(type));
+    protocol::store(std::span(bytes).last(protocol::width(type)), type, kFraming.order, value);
+  };
+  if (!format.raw_trace) {
+    put(WireType::kU16, static_cast<std::int64_t>(samples.size()));
+    put(WireType::kU8, static_cast<std::int64_t>(width));
+  }
+  for (const std::int32_t sample : samples) {
+    put(width == TraceWidth::kTwoBytes ? WireType::kI16 : WireType::kI32, sample);
+  }
+  bytes.push_back(protocol::sum8(bytes));
+  return bytes;
 }
 
-std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted) {
+std::vector<std::uint8_t> encode_refusal(Status status, const ReplyFormat& format) {
+  std::vector<std::uint8_t> bytes(format.status_bytes, 0);
+  bytes[0] = static_cast<std::uint8_t>(status);
+  bytes.push_back(protocol::sum8(bytes));
+  return bytes;
+}
+
+std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted, std::uint32_t axis) {
   std::vector<std::uint8_t> bytes(text.begin(), text.end());
   protocol::append(bytes, kEndOfLine);
+  if (axis != 0) protocol::append(bytes, fmt::format("{}", axis));
   bytes.push_back(static_cast<std::uint8_t>(accepted ? kAcceptedPrompt : kRefusedPrompt));
   return bytes;
 }
@@ -217,27 +304,57 @@ Decoder::Event Decoder::push_line(std::uint8_t byte) {
   return Event::kLine;
 }
 
-PacketReplyDecoder::PacketReplyDecoder(const Packet& request) : fields_(reply_fields(request)) {}
+PacketReplyDecoder::PacketReplyDecoder(const Packet& request, const ReplyFormat& format)
+    : fields_(reply_fields(request)), trace_(is_trace(*request.row)), format_(format) {}
+
+// Bytes of the data, as far as can be told.
+std::size_t PacketReplyDecoder::data_size() const {
+  if (status() != Status::kOk) return 0;
+  if (!trace_) return protocol::width(fields_);
+  const auto data = bytes().subspan(std::min(format_.status_bytes, buffer_.size()));
+  if (data.size() < kTraceHeader) return kTraceHeader;
+  const std::size_t count = data[0] | static_cast<std::size_t>(data[1]) << 8;
+  return kTraceHeader + std::min(count, kTraceSize) * (data[2] == 4 ? 4 : 2);
+}
 
 PacketReplyDecoder::Event PacketReplyDecoder::push(std::uint8_t byte) {
   if (ended_) buffer_.clear();
   ended_ = false;
   buffer_.push(byte);
-  const std::size_t data = status() == Status::kOk ? protocol::width(fields_) : 0;
-  if (buffer_.size() < 1 + data + 1) return Event::kNone;
+  const std::size_t before_sum = format_.status_bytes + data_size();
+  if (buffer_.size() < before_sum + 1) return Event::kNone;
   ended_ = true;
-  if (protocol::sum8(bytes().first(1 + data)) != byte) return Event::kBadSum;
-  values_ = status() == Status::kOk
-                ? protocol::unpack(fields_, kFraming.order, bytes().subspan(1, data))
-                : Values{};
+  values_ = {};
+  samples_.clear();
+  if (protocol::sum8(bytes().first(before_sum)) != byte) return Event::kBadSum;
+  if (status() != Status::kOk) return Event::kReply;
+  const auto data = bytes().subspan(format_.status_bytes, before_sum - format_.status_bytes);
+  if (!trace_) {
+    values_ = protocol::unpack(fields_, kFraming.order, data);
+    return Event::kReply;
+  }
+  const WireType type = data[2] == 4 ? WireType::kI32 : WireType::kI16;
+  for (std::size_t at = kTraceHeader; at < data.size(); at += protocol::width(type)) {
+    samples_.push_back(static_cast<std::int32_t>(
+        protocol::load(data.subspan(at, protocol::width(type)), type, kFraming.order)));
+  }
   return Event::kReply;
 }
 
 LineReplyDecoder::Event LineReplyDecoder::push(std::uint8_t byte) {
   const bool at_start = std::exchange(line_ended_, false);
   if (at_start) buffer_.clear();
-  if (at_start && byte == kAcceptedPrompt) return Event::kAccepted;
-  if (at_start && byte == kRefusedPrompt) return Event::kRefused;
+  // An axis may stand before the prompt.
+  const bool axis_before =
+      after_end_ && buffer_.size() == 1 && protocol::is_digit(char(buffer_[0]));
+  if (at_start || axis_before) {
+    if (byte == kAcceptedPrompt || byte == kRefusedPrompt) {
+      buffer_.clear();
+      after_end_ = false;
+      return byte == kAcceptedPrompt ? Event::kAccepted : Event::kRefused;
+    }
+  }
+  after_end_ = at_start;
   const bool after_cr = std::exchange(cr_, byte == '\r');
   if (byte == '\n' && after_cr) {
     line_ended_ = true;

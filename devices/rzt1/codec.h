@@ -41,9 +41,10 @@ Status status_of(protocol::Refusal refusal);
 struct Packet {
   std::uint8_t address = 1;
   const CommandRow* row = nullptr;
-  const CommandRow* function = nullptr;     // of FunctionCall
+  const CommandRow* function = nullptr;     // of FunctionCall, and of SetParameter for SETUP
   const ParameterRow* parameter = nullptr;  // of SetParameter and GetParameter
   protocol::Values values = {};             // with the number of function or parameter in front
+  bool counted = true;                      // of StreamPVT: values begin with the points' count
   Status status = Status::kOk;              // if not: with what to refuse it; no values then
 };
 
@@ -57,11 +58,28 @@ struct Line {
 
 std::vector<std::uint8_t> encode_request(const Packet& packet);
 std::vector<std::uint8_t> encode_request(const Line& line);
-/// `values` are those that the request asked for.
-std::vector<std::uint8_t> encode_reply(const Packet& request, const protocol::Values& values);
-std::vector<std::uint8_t> encode_refusal(Status status);
-std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted);
 
+/// Where the document says two things, or firmware is known to differ.
+struct ReplyFormat {
+  std::size_t status_bytes = 1;  // 1 (drawings of Appendix B) or 2 (8.2 and the tables of sizes)
+  bool raw_trace = false;        // GetTrace: samples and nothing else, as drawn
+};
+
+/// `values` are those that the request asked for.
+std::vector<std::uint8_t> encode_reply(const Packet& request, const protocol::Values& values,
+                                       const ReplyFormat& format = {});
+enum class TraceWidth : std::uint8_t { kTwoBytes = 2, kFourBytes = 4 };
+/// The answer to GetTrace.
+std::vector<std::uint8_t> encode_trace(std::span<const std::int32_t> samples, TraceWidth width,
+                                       const ReplyFormat& format = {});
+std::vector<std::uint8_t> encode_refusal(Status status, const ReplyFormat& format = {});
+/// Of a line; `axis` goes before the prompt unless it is 0.
+std::vector<std::uint8_t> encode_reply(std::string_view text, bool accepted,
+                                       std::uint32_t axis = 0);
+
+/// As C does with base 0: decimal, 0x hexadecimal, 0 octal, with or without a sign; nothing if the
+/// text is no number.
+std::optional<std::int64_t> parse_number(std::string_view text);
 /// A variable's value as a line shows it: decimal, or so many hexadecimal digits.
 std::string to_text(const ParameterRow& row, std::int64_t value);
 /// Its reverse; nothing if the text is no number.
@@ -104,18 +122,25 @@ class PacketReplyDecoder {
     kBadSum,
   };
 
-  explicit PacketReplyDecoder(const Packet& request);
+  explicit PacketReplyDecoder(const Packet& request, const ReplyFormat& format = {});
 
   Event push(std::uint8_t byte);
   Status status() const { return static_cast<Status>(buffer_[0]); }
   const protocol::Values& values() const { return values_; }
+  /// Of GetTrace, in the layout that tells its count.
+  std::span<const std::int32_t> samples() const { return samples_; }
   std::span<const std::uint8_t> bytes() const { return buffer_.bytes(); }
 
  private:
+  std::size_t data_size() const;
+
   std::vector<Field> fields_;
-  protocol::FrameBuffer<kTable.framing.longest> buffer_;
+  bool trace_;
+  ReplyFormat format_;
+  protocol::FrameBuffer<kTable.framing.longest + 1> buffer_;  // a second byte of status
   bool ended_ = false;
   protocol::Values values_;
+  std::vector<std::int32_t> samples_;
 };
 
 /// The host's receiver of replies to lines.
@@ -135,6 +160,7 @@ class LineReplyDecoder {
   protocol::FrameBuffer<kLines[0].longest> buffer_;
   bool cr_ = false;          // the last byte was CR
   bool line_ended_ = false;  // CR LF came: a prompt may follow
+  bool after_end_ = false;   // one byte after it: an axis, if a prompt follows
 };
 
 }  // namespace virtdrive::rzt1

@@ -97,7 +97,11 @@ class TwoWayFramer final : public protocol::Framer {
   void push_packet_reply(PacketReplyDecoder& decoder, std::uint8_t byte, std::vector<Run>& ended) {
     using Event = PacketReplyDecoder::Event;
     const Event event = decoder.push(byte);
-    if (event == Event::kNone) return;
+    if (event == Event::kNone) {
+      // A recorder's buffer is longer than what may be held.
+      if (reply_held_ == kMostHeld) end(reply_held_, Verdict::kFrame, "samples", ended);
+      return;
+    }
     const auto status = static_cast<unsigned>(decoder.status());
     if (event == Event::kReply)
       end(reply_held_, Verdict::kFrame, fmt::format("status={}", status), ended);

@@ -19,7 +19,7 @@ inline constexpr int kExitUsage = 2;   // an option, a name, a file or a port th
 struct RunOptions {
   BenchOptions bench;
   std::string link;
-  std::string link2;                 // a second terminal, for the drive's second port
+  std::string link2, link3;          // further terminals, for the drive's further ports
   std::string can_link;              // one for an SLCAN adapter at the drive's CAN port
   std::string tcp;                   // [HOST:]PORT to listen on instead of a pseudo-terminal
   std::string rfc2217;               // the same, with RFC 2217

@@ -204,31 +204,37 @@ void report(const RunOptions& options, Bench& bench, const Port& port, const Pac
 
 // Further terminals, each on a line of its own at one of the drive's further ports.
 struct FurtherLine {
+  std::size_t port;
   std::string name;
   std::string link;
 };
 
 std::vector<FurtherLine> further_lines(const RunOptions& options) {
   std::vector<FurtherLine> lines;
-  if (!options.link2.empty()) lines.push_back({"line2", options.link2});
-  if (!options.can_link.empty()) lines.push_back({"can", options.can_link});
-  return lines;
-}
-
-void add_further_lines(const RunOptions& options, BenchOptions& bench) {
-  for (const FurtherLine& line : further_lines(options)) {
-    bench.lines.push_back({.name = line.name, .timing = bench.lines[0].timing});
-  }
-  std::vector<std::string>& others = bench.drives[0].other_lines;
-  if (!options.link2.empty()) others = {"line2"};
-  if (options.can_link.empty()) return;
-  const DriveKind& kind = find_drive(bench.drives[0].kind);
+  if (!options.link2.empty()) lines.push_back({1, "line2", options.link2});
+  if (!options.link3.empty()) lines.push_back({2, "line3", options.link3});
+  if (options.can_link.empty()) return lines;
+  const DriveKind& kind = find_drive(options.bench.drives[0].kind);
   const auto can = std::ranges::find_if(kind.ports, &PortKind::can);
   if (can == kind.ports.end()) {
     throw SetupError(fmt::format("--can-link: {} has no CAN port", kind.name));
   }
-  others.resize(static_cast<std::size_t>(can - kind.ports.begin()));
-  others.back() = "can";
+  const auto port = static_cast<std::size_t>(can - kind.ports.begin());
+  if (std::ranges::find(lines, port, &FurtherLine::port) != lines.end()) {
+    throw SetupError(fmt::format("--link{}: that port of {} is CAN; --can-link alone is enough",
+                                 port + 1, kind.name));
+  }
+  lines.push_back({port, "can", options.can_link});
+  return lines;
+}
+
+void add_further_lines(const std::vector<FurtherLine>& lines, BenchOptions& bench) {
+  std::vector<std::string>& others = bench.drives[0].other_lines;
+  for (const FurtherLine& line : lines) {
+    bench.lines.push_back({.name = line.name, .timing = bench.lines[0].timing});
+    others.resize(std::max(others.size(), line.port));
+    others[line.port - 1] = line.name;
+  }
 }
 
 }  // namespace
@@ -245,13 +251,14 @@ int run(const RunOptions& options) {
   if (options.signals.empty() != options.record.empty()) {
     throw SetupError("--record FILE and --signals NAME,... go together");
   }
-  add_further_lines(options, bench_options);
+  const std::vector<FurtherLine> further = further_lines(options);
+  add_further_lines(further, bench_options);
   Bench bench(bench_options);
   std::optional<Start> start;
   if (!options.start.empty()) start = parse_start(options.start, bench.drive().kind());
   const Port port = open_port(options, bench.line());
   std::vector<std::unique_ptr<PtyEndpoint>> others;
-  for (const FurtherLine& line : further_lines(options)) {
+  for (const FurtherLine& line : further) {
     others.push_back(std::make_unique<PtyEndpoint>(bench.line(line.name), line.link));
   }
   std::optional<Recorder> recorder;

@@ -497,12 +497,9 @@ Action Loader::read_read(const Context& c, std::string& text) {
 Action Loader::read_call(const Context& c, std::string& text) {
   BenchDrive& drive = drive_of(c.map);
   const protocol::CommandRow& row = command_named(c.value, drive.kind().table);
-  CallCommand call{.drive = drive.name(),
-                   .command = std::string(row.name),
-                   .request = {},
-                   .fields = {},
-                   .reply = {}};
-  text += fmt::format(" {}", row.name);
+  CallCommand call{
+      .drive = drive.name(), .command = c.value.text(), .request = {}, .fields = {}, .reply = {}};
+  text += fmt::format(" {}", call.command);
   const auto request = flat_fields(row.request);
   const auto reply = flat_fields(row.reply);
   std::vector<std::int64_t> values(request.size(), 0);

@@ -139,7 +139,13 @@ Json milestone() {
 
 // What stands behind the verb itself.
 Json behind(const Verb& verb) {
-  if (verb.name == "call") return {{"enum", names_of(&protocol::ProtocolTable::commands)}};
+  if (verb.name == "call") {
+    Json names = names_of(&protocol::ProtocolTable::commands);
+    for (const Json& function : names_of(&protocol::ProtocolTable::functions)) {
+      if (std::ranges::find(names, function) == names.end()) names.push_back(function);
+    }
+    return {{"anyOf", {{{"enum", names}}, {{"pattern", R"(^\w+\.)"}}}}};
+  }
   if (verb.name == "raw") return any_of({scalar(), list_of(scalar())});
   if (verb.name == "inject") return any_of({text(), shape(Shape::kNames)});
   if (verb.name == "clear") return any_of({text(), list_of(text())});

@@ -127,11 +127,14 @@ void check_unit(const Place& place, const protocol::ProtocolTable& table,
 
 const protocol::CommandRow& command_named(const YamlValue& value,
                                           const protocol::ProtocolTable& table) {
-  const std::string name = value.text();
-  const auto it = std::ranges::find(table.commands, name, &protocol::CommandRow::name);
-  if (it != table.commands.end()) return *it;
+  const std::string text = value.text();
+  const std::string_view name = std::string_view(text).substr(text.rfind('.') + 1);
   std::vector<std::string_view> names;
-  for (const protocol::CommandRow& row : table.commands) names.push_back(row.name);
+  for (const auto& rows : {table.commands, table.functions}) {
+    const auto it = std::ranges::find(rows, name, &protocol::CommandRow::name);
+    if (it != rows.end()) return *it;
+    for (const protocol::CommandRow& row : rows) names.push_back(row.name);
+  }
   value.fail(unknown_name("command", name, names));
 }
 

@@ -54,6 +54,7 @@ std::string unit_written(std::string_view predicate);
 void check_unit(const Place& place, const protocol::ProtocolTable& table,
                 std::string_view parameter, std::string_view unit);
 
+/// A command or function, "[CHANNEL.]NAME".
 const protocol::CommandRow& command_named(const YamlValue& value,
                                           const protocol::ProtocolTable& table);
 

@@ -12,12 +12,6 @@ using protocol::Values;
 using Bytes = std::vector<std::uint8_t>;
 using Event = Decoder::Event;
 
-// No drive stands behind the rows: a table that claims one would need bindings.
-constexpr std::array<protocol::Binding<int>, 0> kNone{};
-static_assert(protocol::covers(kTable.commands, kNone));
-static_assert(protocol::covers(kTable.functions, kNone));
-static_assert(protocol::covers(kTable.parameters, kNone));
-
 const CommandRow& packet_row(std::uint16_t code) {
   return *protocol::find(kTable.commands, code);
 }
@@ -106,8 +100,9 @@ TEST(Rzt1Packets, RefusalsOfTheTableHaveTheirStatus) {
   EXPECT_EQ(encode_refusal(status_of(Refusal::kReadOnly)), response("status_read_only"));
   EXPECT_EQ(encode_refusal(status_of(Refusal::kOutOfRange)), response("status_out_of_range"));
   EXPECT_EQ(encode_refusal(status_of(Refusal::kUnknown)), response("status_invalid_index"));
-  // No drive stands behind KP: a write is refused as an index that is not there.
-  EXPECT_EQ(status_of(protocol::check_write(&variable(14), 1500)), Status::kBadIndex);
+  EXPECT_EQ(status_of(protocol::check_write(&variable(14), 1500)), Status::kOk);
+  EXPECT_EQ(status_of(protocol::check_write(&variable(14), 32768)), Status::kOutOfRange);
+  EXPECT_EQ(status_of(protocol::check_write(&variable(1), 5)), Status::kReadOnly);
 }
 
 TEST(Rzt1Packets, RepliesAreTheGoldenFrames) {
@@ -148,6 +143,88 @@ TEST(Rzt1Packets, TheHostKnowsFromItsRequestWhereTheReplyEnds) {
   PacketReplyDecoder::Event event{};
   for (const std::uint8_t byte : bad) event = decoder.push(byte);
   EXPECT_EQ(event, PacketReplyDecoder::Event::kBadSum);
+}
+
+TEST(Rzt1Packets, AllNumbersFrom0To144AreAVariableOrAFunction) {
+  for (std::uint16_t id = 0; id <= 144; ++id) {
+    const bool is_variable = protocol::find(kTable.parameters, id) != nullptr;
+    const bool is_function = protocol::find(kTable.functions, id) != nullptr;
+    EXPECT_NE(is_variable, is_function) << id;
+  }
+  EXPECT_EQ(std::size(kFunctions) + std::size(kParameters), 145U);
+}
+
+TEST(Rzt1Packets, PvtPointsComeWithAndWithoutTheirCount) {
+  const Packet counted = decode(request("04_StreamPVT_1pt_count"));
+  EXPECT_TRUE(counted.counted);
+  EXPECT_EQ(counted.values, (Values{1, 1000, 65536}));
+  const Packet bare = decode(request("04_StreamPVT_1pt_nocount"));
+  EXPECT_FALSE(bare.counted);
+  EXPECT_EQ(bare.values, (Values{1000, 65536}));
+  EXPECT_EQ(decode(request("04_StreamPVT_2pt_count")).values,
+            (Values{2, 1000, 65536, 2000, 65536}));
+  // A count that is not the points', no points, half a point.
+  EXPECT_EQ(decode(from_hex("aa 01 09 04 02 e8 03 00 00 00 00 01 00 fc")).status, Status::kBadSize);
+  EXPECT_EQ(decode(from_hex("aa 01 01 04 00 06")).status, Status::kBadSize);
+  EXPECT_EQ(decode(from_hex("aa 01 00 04 05")).status, Status::kBadSize);
+  EXPECT_EQ(decode(from_hex("aa 01 04 04 01 02 03 04 13")).status, Status::kBadSize);
+}
+
+TEST(Rzt1Packets, APvtPacketHolds31PointsWhateverItsLayout) {
+  for (const bool counted : {true, false}) {
+    Packet stream{.row = &packet_row(4), .counted = counted};
+    if (counted) stream.values.push(kMostPoints);
+    for (std::size_t i = 0; i < 2 * kMostPoints; ++i) stream.values.push(static_cast<int>(i) - 30);
+    const Bytes bytes = encode_request(stream);
+    EXPECT_EQ(bytes.size(), 5U + 8 * kMostPoints + counted);
+    EXPECT_EQ(decode(bytes).values, stream.values);
+  }
+}
+
+TEST(Rzt1Packets, AWatermarkMayFollowTheTimeSlice) {
+  EXPECT_EQ(decode(request("03_InitPVT_200")).values, Values{200});
+  const Packet both{.row = &packet_row(3), .values = {50, 20}};
+  EXPECT_EQ(encode_request(both), from_hex("aa 01 02 03 32 14 4c"));
+  EXPECT_EQ(decode(encode_request(both)).values, (Values{50, 20}));
+  EXPECT_EQ(decode(from_hex("aa 01 03 03 32 14 00 4d")).status, Status::kBadSize);
+}
+
+TEST(Rzt1Packets, SetupIsAlsoStartedByAWrite) {
+  const Packet setup = decode(from_hex("aa 01 03 05 71 01 00 7b"));
+  ASSERT_NE(setup.function, nullptr);
+  EXPECT_EQ(setup.function->name, "SETUP");
+  EXPECT_EQ(decode(from_hex("aa 01 01 06 71 79")).status, Status::kBadIndex);
+  EXPECT_EQ(decode(from_hex("aa 01 03 05 6c 01 00 76")).status, Status::kBadIndex);  // PLAY
+}
+
+TEST(Rzt1Packets, ATracesLengthStandsInFrontOfIt) {
+  const std::int32_t samples[] = {100, -100, 0};
+  EXPECT_EQ(encode_trace(samples, TraceWidth::kTwoBytes), response("07_Trace_3x16"));
+  for (const TraceWidth width : {TraceWidth::kTwoBytes, TraceWidth::kFourBytes}) {
+    std::vector<std::int32_t> many(kTraceSize, -7);
+    PacketReplyDecoder decoder(decode(request("07_Trace_ch1_16")));
+    const Bytes bytes = encode_trace(many, width);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      SCOPED_TRACE(i);
+      ASSERT_EQ(decoder.push(bytes[i]), i + 1 == bytes.size() ? PacketReplyDecoder::Event::kReply
+                                                              : PacketReplyDecoder::Event::kNone);
+    }
+    EXPECT_TRUE(std::ranges::equal(decoder.samples(), many));
+  }
+  EXPECT_EQ(encode_trace(samples, TraceWidth::kTwoBytes, {.raw_trace = true}),
+            from_hex("00 64 00 9c ff 00 00 ff"));
+}
+
+TEST(Rzt1Packets, TheStatusMayTakeTwoBytes) {
+  const ReplyFormat two{.status_bytes = 2};
+  EXPECT_EQ(encode_reply(decode(request("06_Get_KP")), {1500}, two), from_hex("00 00 dc 05 e1"));
+  EXPECT_EQ(encode_refusal(Status::kBadIndex, two), from_hex("02 00 02"));
+  EXPECT_EQ(encode_refusal(Status::kBadSum, two), from_hex("ff 00 ff"));
+  PacketReplyDecoder decoder(decode(request("06_Get_KP")), two);
+  PacketReplyDecoder::Event event{};
+  for (const std::uint8_t byte : from_hex("00 00 dc 05 e1")) event = decoder.push(byte);
+  EXPECT_EQ(event, PacketReplyDecoder::Event::kReply);
+  EXPECT_EQ(decoder.values(), Values{1500});
 }
 
 TEST(Rzt1Packets, AMaskBitWithoutAFieldIsIgnored) {
@@ -204,6 +281,8 @@ TEST(Rzt1Lines, NamesAreFoundWhateverTheirCaseAndSpacing) {
   EXPECT_EQ(decode_line("ABS -500\r").argument, -500);
   EXPECT_EQ(decode_line("GO\r").function, &go());
   EXPECT_EQ(decode_line("GO 2000\r").argument, 2000);
+  EXPECT_EQ(decode_line("IQCMD\r").parameter, &variable(101));
+  EXPECT_EQ(decode_line("idcmd 3\r").parameter, &variable(102));
 }
 
 TEST(Rzt1Lines, ALeadingDigitIsTheAxis) {
@@ -254,6 +333,8 @@ TEST(Rzt1Lines, TheHostReadsDataLinesAndPrompt) {
   EXPECT_EQ(read(response("ascii_POS_set")), (Seen{">"}));
   EXPECT_EQ(read(response("ascii_ro_write")), (Seen{"?"}));
   EXPECT_EQ(read(response("ascii_PLAY_2")), (Seen{"1,2,3,4", "5,6,7,8", ">"}));
+  EXPECT_EQ(read(encode_reply("120", true, 2)), (Seen{"120", ">"}));
+  EXPECT_EQ(read(encode_reply("", false, 1)), (Seen{"?"}));
   EXPECT_EQ(from_text(variable(0), "0087"), 0x87);
   EXPECT_EQ(from_text(variable(82), "-120"), -120);
   EXPECT_EQ(from_text(variable(82), "R120"), std::nullopt);
