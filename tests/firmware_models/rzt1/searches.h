@@ -148,7 +148,7 @@ inline void by_hard_stop(int starts) {
     found.add(rig);
   }
   // A poll is 100 us: one loop cycle of the velocity.
-  EXPECT_LE(found.most - found.least, 2 * (kSlow >> 16) + 2);
+  EXPECT_LE(found.most - found.least, 2 * (kSlow >> 16));
   EXPECT_NEAR(found.least * kCountRad, 4.5 * kTurnRad, 0.02);
 }
 
