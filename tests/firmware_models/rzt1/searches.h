@@ -106,7 +106,6 @@ inline Hardware with_index_and_switch() {
 
 inline void by_index(int starts) {
   RandomStream random(3);
-  Found found;
   for (int i = 0; i < starts; ++i) {
     Rig rig(bench_axis(), {}, with_index_and_switch());
     prepare(rig, kTurnRad * random.uniform());
