@@ -552,6 +552,29 @@ TEST(BrushedMotor, IsPositionedByVoltage) {
   EXPECT_NEAR(rig.angle_rad() / kTurnRad, 1, 0.05);
 }
 
+TEST(VoiceCoil, IsPositionedInALine) {
+  const Motor motor = find_motor("voice-coil-20n");
+  Hardware hardware;
+  hardware.axis[0].incremental.lines = 1'570'796;  // a count is 1 um
+  Settings settings;
+  settings.phases = 2;
+  settings.vkp = 100;
+  settings.vki = 4;
+  settings.kp = 1000;
+  settings.vel = 2 * 65536;  // 20 mm/s
+  settings.acc = settings.dec = 400;
+  Rig rig({.motor = motor.electrical,
+           .link = {.source_v = 24, .resistance_ohm = 0, .capacitance_f = 1e-3},
+           .mechanics = motor.mechanics,
+           .effects = motor.effects},
+          {}, hardware, settings);
+  ASSERT_EQ(rig.ready(), Result::kOk);
+  EXPECT_NEAR(rig.move_to(3000), 0.15 + 0.0328, 2e-3);
+  EXPECT_NEAR(rig.axis().position_error(), 0, 15);
+  rig.run_for(200ms);
+  EXPECT_NEAR(rig.angle_rad(), 3e-3, 3e-6);
+}
+
 TEST(Simulation, TheCommandIsTheActualPositionAndTheMotorStandsStill) {
   Rig rig;
   rig.set(&Settings::sim, 1);
