@@ -24,7 +24,7 @@ struct ShaftReading {
 };
 
 /// Bits of ESTATUS. Assumed: the document does not give them.
-enum EncoderStatusBit : std::uint16_t {
+enum EncoderStatusBit : std::uint8_t {
   kEncoderSilent = 1 << 0,
   kEncoderCrc = 1 << 1,
   kEncoderBatteryLow = 1 << 2,

@@ -108,6 +108,7 @@ Result ServoAxis::on() {
 Result ServoAxis::switch_on() {
   if (const Result result = ready(); result != Result::kOk) return result;
   if (settings_.pcmode == kHostPhases) return Result::kOk;
+  if (position_.absolute() && !position_.answers()) return Result::kFault;
   if (phasing_.busy()) return servo_on_ ? Result::kOk : Result::kInvalidState;
   wake_();
   regulators_.latch(settings_);
@@ -302,6 +303,7 @@ Result ServoAxis::home() {
 
 Result ServoAxis::align() {
   if (const Result result = ready(); result != Result::kOk) return result;
+  if (position_.absolute() && !position_.answers()) return Result::kFault;
   if (busy() || moving() || settings_.pcmode == kHostPhases) return Result::kInvalidState;
   wake_();
   if (settings_.sim != 0 || settings_.phases == kTwoPhases) {

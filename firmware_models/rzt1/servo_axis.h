@@ -78,7 +78,8 @@ class ServoAxis {
   /// Jogs with VEL, and starts if the servo is on.
   Result forward();
   Result reverse();
-  /// Enables the amplifier, begins phasing where that is needed, holds the present position.
+  /// Enables the amplifier, begins phasing where that is needed, holds the present position. kFault
+  /// while an absolute encoder does not answer.
   Result on();
   Result off();
   Result enable();

@@ -81,8 +81,8 @@ void ServoDrive::start(const std::array<Settings, kAxes>& settings) {
     unit.seen_rad = unit.plant->state().angle_rad;
     unit.servo.emplace(i, settings[i], hardware_.axis[i], options_, [this, i] { wake(i); });
   }
-  units_[0].servo->join(*units_[1].servo);
-  units_[1].servo->join(*units_[0].servo);
+  units_[0].axis().join(units_[1].axis());
+  units_[1].axis().join(units_[0].axis());
   for (std::size_t i = 0; i < kAxes; ++i) {
     units_[i].awake = true;
     slot(i);
@@ -109,16 +109,16 @@ void ServoDrive::task() {
   ++slots_;
   const bool foreground = loop_.now().time_since_epoch() % kForeground == SimDuration{};
   // The leader of a gear first: its slave gets the command of the same cycle.
-  const std::size_t first = units_[1].servo->leads() ? 1 : 0;
+  const std::size_t first = units_[1].axis().leads() ? 1 : 0;
   for (const std::size_t i : {first, 1 - first}) {
     if (units_[i].awake || foreground) slot(i);
   }
   timer_ = measure_timing();
-  if (recorder_.busy()) recorder_.sample(*units_[recorder_.axis()].servo, timer_);
+  if (recorder_.busy()) recorder_.sample(units_[recorder_.axis()].axis(), timer_);
   for (std::size_t i = 0; foreground && i < kAxes; ++i) {
     millisecond(units_[i]);
     const bool recorded = recorder_.busy() && recorder_.axis() == i;
-    units_[i].awake = recorded || !units_[i].servo->idle() || !at_rest(units_[i]);
+    units_[i].awake = recorded || !units_[i].axis().idle() || !at_rest(units_[i]);
   }
   schedule();
 }
@@ -131,28 +131,28 @@ void ServoDrive::slot(std::size_t number) {
   Unit& unit = units_[number];
   unit.plant->advance_to(loop_.now());
   if (unit.awake) load(unit, hardware_.axis[number]);
-  unit.servo->slot(sample(number));
+  unit.axis().slot(sample(number));
   // Gates go off at once, and a faulty inverter's by itself; duties are loaded with the next
   // period.
-  const bool off = unit.servo->slot_output().mode == SlotOutput::Mode::kOff;
+  const bool off = unit.axis().slot_output().mode == SlotOutput::Mode::kOff;
   if (off || hardware_.axis[number].amplifier_fault) switch_off(unit);
 }
 
 void ServoDrive::millisecond(Unit& unit) {
-  unit.servo->millisecond(bus_sensor_.counts(unit.plant->state().bus_v, noise_),
+  unit.axis().millisecond(bus_sensor_.counts(unit.plant->state().bus_v, noise_),
                           inverter_counts(unit));
-  if (unit.servo->slot_output().mode == SlotOutput::Mode::kOff) switch_off(unit);
+  if (unit.axis().slot_output().mode == SlotOutput::Mode::kOff) switch_off(unit);
 }
 
 std::int32_t ServoDrive::inverter_counts(Unit& unit) {
   if (unit.loaded == SlotOutput::Mode::kOff) {
     unit.warmth_k -= unit.warmth_k * kWarmthPerMs;
   } else {
-    const double amperes = unit.servo->total_current() * hardware_.current_full_scale_a / kMidScale;
+    const double amperes = unit.axis().total_current() * hardware_.current_full_scale_a / kMidScale;
     const double target = kWarmthK * amperes * amperes / (kWarmthA * kWarmthA);
     unit.warmth_k += (target - unit.warmth_k) * kWarmthPerMs;
   }
-  const double degc = hardware_.axis[unit.servo->number()].inverter_degc + unit.warmth_k;
+  const double degc = hardware_.axis[unit.axis().number()].inverter_degc + unit.warmth_k;
   return static_cast<std::int32_t>(
       std::clamp(degc * kCountsPerDegc, 0.0, static_cast<double>(kAdc.full_scale())));
 }
@@ -160,8 +160,8 @@ std::int32_t ServoDrive::inverter_counts(Unit& unit) {
 std::int32_t ServoDrive::measure_timing() const {
   std::int32_t counts = kTaskCounts;
   for (const Unit& unit : units_) {
-    if (unit.servo->amplifier_on()) counts += kAmplifierCounts;
-    if (unit.servo->servo_on()) counts += kServoCounts;
+    if (unit.axis().amplifier_on()) counts += kAmplifierCounts;
+    if (unit.axis().servo_on()) counts += kServoCounts;
   }
   return counts;
 }
@@ -177,7 +177,7 @@ void ServoDrive::hardware_changed() {
 }
 
 std::uint16_t ServoDrive::inputs() const {
-  const unsigned one = units_[0].servo->digital_inputs(), two = units_[1].servo->digital_inputs();
+  const unsigned one = units_[0].axis().digital_inputs(), two = units_[1].axis().digital_inputs();
   return static_cast<std::uint16_t>(one >> 4 | two >> 4 << 4 | (one & 15) << 8 | (two & 15) << 12);
 }
 
@@ -200,7 +200,7 @@ SlotReading ServoDrive::sample(std::size_t number) {
         current_sensor_.counts(channels[i], noise_) - current_sensor_.zero_counts();
   }
   reading.amplifier_fault = hardware.amplifier_fault;
-  if (unit.servo->reads_inputs()) {
+  if (unit.axis().reads_inputs()) {
     reading.input_pins = input_pins(hardware, angle);
     reading.hall_pins = hall_pins(number, angle);
   }
@@ -209,7 +209,7 @@ SlotReading ServoDrive::sample(std::size_t number) {
 
 ShaftReading ServoDrive::read_shaft(Unit& unit, const AxisHardware& hardware, double angle) const {
   ShaftReading reading;
-  if (unit.servo->settings().etype == 0) {
+  if (unit.axis().settings().etype == 0) {
     const double seen = hardware.incremental_cut ? unit.seen_rad : angle;
     reading.edges = hardware.incremental.count(seen);
     if (const auto edges = hardware.incremental.index_capture(unit.seen_rad, seen)) {
@@ -239,7 +239,7 @@ std::uint8_t ServoDrive::hall_pins(std::size_t number, double angle) const {
 // --- Gates ---------------------------------------------------------------------------------------
 
 void ServoDrive::load(Unit& unit, const AxisHardware& hardware) {
-  const SlotOutput& output = unit.servo->slot_output();
+  const SlotOutput& output = unit.axis().slot_output();
   if (output.mode == SlotOutput::Mode::kOff || hardware.amplifier_fault) return;
   BridgeCommand command{.mode = Bridge::kDriven,
                         .pwm_period = kSlot,

@@ -40,8 +40,8 @@ class ServoDrive {
   /// 150 ms later. References to the axes stay good.
   void restart(const std::array<Settings, kAxes>& settings);
 
-  ServoAxis& axis(std::size_t number) { return *units_[number].servo; }
-  const ServoAxis& axis(std::size_t number) const { return *units_[number].servo; }
+  ServoAxis& axis(std::size_t number) { return units_[number].axis(); }
+  const ServoAxis& axis(std::size_t number) const { return units_[number].axis(); }
   Recorder& recorder() { return recorder_; }
   const Recorder& recorder() const { return recorder_; }
   /// TRACE, with the task kept awake for it.
@@ -65,12 +65,15 @@ class ServoDrive {
   // An axis with its inverter and sensors.
   struct Unit {
     Axis* plant = nullptr;
-    std::optional<ServoAxis> servo;
+    std::optional<ServoAxis> servo;  // made anew in its place by a reset
     bool awake = true;
     SlotOutput::Mode loaded = SlotOutput::Mode::kOff;
     double seen_rad = 0;  // the shaft's angle at the last slot
     double pole_pairs = 1;
     double warmth_k = 0;  // of the inverter above its surroundings
+
+    ServoAxis& axis() { return *servo; }
+    const ServoAxis& axis() const { return *servo; }
   };
 
   void start(const std::array<Settings, kAxes>& settings);

@@ -6,7 +6,7 @@
 // The db42s03 on 24 V is run by a current controller at 2000 rpm with a duty for every 50 us;
 // the duties from standstill on are recorded and replayed. Counters: `of_bare` the cost relative to
 // the bare step in the same run, `error` the greatest current error over 0.1 s against RK4 at 0.2
-// us, as a share of the rated current. The last two run a whole drive in closed loop.
+// us, as a share of the rated current. The others run a whole drive in closed loop.
 #include <algorithm>
 #include <array>
 #include <benchmark/benchmark.h>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/event_loop.h"
+#include "firmware_models/rzt1/servo_drive.h"
 #include "firmware_models/toshiba_mcu/firmware.h"
 #include "plant/axis.h"
 #include "plant/motor_library.h"
@@ -228,11 +229,36 @@ void drive_fast(benchmark::State& state) {
   drive(state, Integrator::kFast);
 }
 
+/// The RZ/T1 kit's two servo axes on one link, a task each 50 us; so many of them turn at 500 rpm,
+/// the others are off.
+void kit(benchmark::State& state) {
+  EventLoop loop;
+  const Motor motor = find_motor("servo-400w");
+  const DcBus bus({.source_v = 280, .resistance_ohm = 0.5, .capacitance_f = 470e-6},
+                  Integrator::kFast);
+  Axis first({.motor = motor.electrical, .mechanics = motor.mechanics}, bus);
+  Axis second({.motor = motor.electrical, .mechanics = motor.mechanics}, bus);
+  Axis* const axes[] = {&first, &second};
+  rzt1::Hardware hardware;
+  rzt1::ServoDrive drive(loop, axes, {rzt1::factory_settings(1), rzt1::factory_settings(2)},
+                         hardware, Seed{1});
+  const auto turning = static_cast<std::size_t>(state.range(0));
+  for (std::size_t i = 0; i < turning; ++i) (void)drive.axis(i).on();
+  loop.run_until(kSimStart + 1s);
+  for (std::size_t i = 0; i < turning; ++i) (void)drive.axis(i).forward();
+  loop.run_until(kSimStart + 2s);
+  if (turning > 0 && drive.axis(turning - 1).velocity_counts() < 100) {
+    state.SkipWithError("the motor does not run");
+  }
+  compare(state, [&] { loop.run_until(loop.now() + kPeriods * kPeriod); });
+}
+
 BENCHMARK(bare_step)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(axis_default)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(axis_fast)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(drive_default)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(drive_fast)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(kit)->DenseRange(0, 2)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace virtdrive

@@ -22,6 +22,7 @@ TEST(AbsoluteEncoders, NeedNoPhasingAndKeepTheirPosition) {
     Rig rig(bench_axis(), {}, {}, absolute(static_cast<EncoderType>(type)));
     rig.turn_to(3.3);
     EXPECT_EQ(rig.axis(1).position(), 0);
+    EXPECT_EQ(rig.axis(1).on(), Result::kFault);
     rig.run_for(200ms);  // 150 ms until it answers (5.3)
     EXPECT_TRUE(rig.axis(1).phased());
     rig.turn_to(3.3 + 2 * kTurnRad, 1);
@@ -79,6 +80,7 @@ TEST(AbsoluteEncoders, TellTheirFaults) {
   EXPECT_EQ(bits(), kEncoderFault);
   std::uint16_t word = 0;
   EXPECT_EQ(rig.axis(1).read_encoder_word(word), Result::kExecution);
+  EXPECT_EQ(rig.axis(1).on(), Result::kFault);
 }
 
 TEST(AbsoluteEncoders, HaveAMemory) {
