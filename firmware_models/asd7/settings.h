@@ -50,7 +50,7 @@ struct SpeedJump {
 
 struct Settings {
   // --- Basic ---
-  std::uint16_t auto_acceleration = 0;  // 0000: 1 ramps follow the load (within 1/8..8 of ACC/DEC)
+  std::uint16_t auto_acceleration = 0;  // 0000: kept, without effect
   std::uint16_t command_source = 0;     // 0003
   std::uint16_t frequency_source = 0;   // 0004
   std::uint16_t panel_reverse = 0;      // 0008: 0 forward, 1 reverse
