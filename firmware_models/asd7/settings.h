@@ -50,12 +50,12 @@ struct SpeedJump {
 
 struct Settings {
   // --- Basic ---
-  std::uint16_t auto_acceleration = 0;  // 0000: 1 ramps follow the load (within 1/8..8 of ACC/DEC)
-  std::uint16_t command_source = 0;     // 0003
-  std::uint16_t frequency_source = 0;   // 0004
-  std::uint16_t panel_reverse = 0;      // 0008: 0 forward, 1 reverse
-  std::uint16_t acceleration1 = 100;    // 0009, 0.1 s from 0 to FH; 0: 0.01 s
-  std::uint16_t deceleration1 = 100;    // 0010
+  std::uint16_t auto_acceleration = 0;     // 0000: kept, without effect
+  std::uint16_t command_source = 0;        // 0003
+  std::uint16_t frequency_source = 0;      // 0004
+  std::uint16_t panel_reverse = 0;         // 0008: 0 forward, 1 reverse
+  std::uint16_t acceleration1 = 100;       // 0009, 0.1 s from 0 to FH; 0: 0.01 s
+  std::uint16_t deceleration1 = 100;       // 0010
   std::uint16_t maximum_frequency = 8000;  // 0011 FH, 0.01 Hz
   std::uint16_t upper_limit = 8000;        // 0012 UL, 0.01 Hz
   std::uint16_t lower_limit = 0;           // 0013 LL, 0.01 Hz

@@ -307,7 +307,7 @@ TEST(Asd7Drive, InverterOverloadTripsAtTheCurvesTime) {
     s.motor_guard = 3;
   });
   b.load({.locked = true});
-  b.start(12);
+  b.start(15);
   b.run(3s);
   const double r = b.current_percent() / 100;
   ASSERT_GT(r, 1.15);
