@@ -82,7 +82,7 @@ TEST(Rzt1Drive, IsOnASharedLineWithS28Off) {
   EXPECT_TRUE(notes[0].starts_with("S2-8 is ON"));
   bench.set("a.board.s2_8", 0);
   bench.set("b.board.s2_8", 0);
-  for (const std::uint8_t address : {1, 2, 3, 4}) {
+  for (std::uint8_t address = 1; address <= 4; ++address) {
     client.set_address(address);
     EXPECT_EQ(client.get("ADDR"), address);
   }

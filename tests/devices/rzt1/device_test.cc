@@ -1,5 +1,6 @@
 #include "devices/rzt1/device.h"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -479,6 +480,43 @@ TEST(Rzt1Device, TheHostSetsThePhasesInPcmode3) {
   EXPECT_EQ(rig.type("V 300"), "\r\n>");
   EXPECT_EQ(rig.type("U"), "200\r\n>");
   EXPECT_EQ(rig.type("V"), "300\r\n>");
+}
+
+TEST(Rzt1Device, PointsFiveMillisecondsApartComeThroughAt115200Baud) {
+  LineRig rig;
+  switch_on(rig);
+  Client client(rig.wire());
+  ASSERT_EQ(rig.axis().set_position(0), Result::kOk);
+  constexpr double kAmplitude = 20000, kOmega = 3.14159265, kSlice = 5e-3;
+  const auto point = [&](int i) {
+    const double t = i * kSlice;
+    return Client::Point{
+        static_cast<std::int32_t>(std::lround(kAmplitude * (1 - std::cos(kOmega * t)))),
+        velocity_units(kAmplitude * kOmega * std::sin(kOmega * t), 100us)};
+  };
+  client.set("PRO", 3);
+  client.send(*protocol::find(kTable.commands, 3), {50});
+  int next = 1;
+  const auto send_some = [&] {
+    std::vector<Client::Point> points;
+    for (std::size_t i = 0; i < kMostPoints; ++i) points.push_back(point(next++));
+    client.stream(points);
+  };
+  send_some();
+  send_some();
+  client.call("GO");
+  SimDuration listening{};
+  for (const SimTime begin = rig.rig.loop.now(); rig.rig.loop.now() < begin + 3s;) {
+    if (rig.axis().pvt_depth() <= 69) {
+      send_some();
+    } else {
+      rig.run_for(1ms);
+      listening += 1ms;
+    }
+    ASSERT_EQ(rig.axis().status() & kPvtStarved, 0) << next;
+    ASSERT_LT(std::abs(rig.axis().position_error()), 300) << next;
+  }
+  EXPECT_GT(listening, 2s);  // the line is free most of the time
 }
 
 TEST(Rzt1Device, PvtPointsThatDoNotFitAreRefusedWhole) {
