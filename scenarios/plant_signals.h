@@ -15,7 +15,8 @@ namespace virtdrive {
 /// outlive the registry.
 void register_axis(Registry& registry, const EventLoop& loop, std::size_t channel, Axis& axis);
 
-/// "NAME.voltage" and "NAME.off"; of mains also "NAME.phase_r_lost" ... What a supply gives is read at the axes: "bus1.current".
+/// "NAME.voltage" and "NAME.off"; of mains also "NAME.phase_r_lost" ... What a supply gives is read
+/// at the axes: "bus1.current".
 void register_supply(Registry& registry, const EventLoop& loop, const std::string& name,
                      const DcBus& bus);
 

@@ -258,7 +258,7 @@ inline constexpr ParameterRow kParameters[] = {
     setting(0x0362, "F362", {1, 10000}, 30, {"", 0.01}, kRecall, "PI proportional gain."),
     setting(0x0363, "F363", {1, 10000}, 20, {"1/s", 0.01}, kRecall, "PI integral gain."),
     setting(0x0401, "F401", {0, 150}, 70, kPercent, kRecall, "Slip compensation."),
-    setting(0x0402, "F402", {0, 300}, 50, kDeciPercent, kRecall, "Automatic torque boost."),
+    setting(0x0402, "F402", {0, 300}, 49, kDeciPercent, kRecall, "Automatic torque boost."),
     setting(0x0415, "F415", {1, 20000}, 30, {"A", 0.1}, kRecall, "The motor's rated current."),
     setting(0x0416, "F416", {10, 100}, 65, kPercent, kRecall, "Its no-load current, of that."),
     setting(0x0417, "F417", {100, 64000}, 1722, {"rpm", 1}, kS15, "Its rated speed."),

@@ -162,7 +162,8 @@ std::string document(const ProtocolTable& table) {
   write_commands(out, "Functions", table.functions);
   write_parameters(out, table.parameters);
   write_codes(out, "Error codes", table.errors);
-  write_codes(out, "Fault bits", table.faults);
+  const bool bits = table.faults.empty() || table.faults.back().code < 32;
+  write_codes(out, bits ? "Fault bits" : "Fault codes", table.faults);
   text.pop_back();
   return text;
 }

@@ -165,7 +165,10 @@ class Asd7Host final : public HostClient {
   Reading get(std::string_view parameter) override {
     const auto [number, row] = parse_name(parameter);
     protocol_.address(number);
-    return {double(protocol_.read(*row)) * row->scale, std::string(row->unit)};
+    // Divided, so that 48 tenths are 4.8 to the last bit.
+    const double value = double(protocol_.read(*row));
+    return {row->scale < 1 ? value / std::round(1 / row->scale) : value * row->scale,
+            std::string(row->unit)};
   }
   void set(std::string_view assignment) override {
     const Asd7Assignment parsed = parse_asd7_assignment(assignment);

@@ -49,7 +49,7 @@ TEST(Asd7Bench, EachSizeAndProtocolTurnsItsMotor) {
     bench.host()->start_motor(0, -900);
     EXPECT_TRUE(bench.run_until(kSimStart + 4s, [&] { return bench.read("motor0.speed") < -850; }))
         << kind << " " << bench.drive().controller().status();
-    EXPECT_LT(bench.read("drive0.output_frequency"), -29) << kind;
+    EXPECT_LT(bench.read("drive0.output_frequency"), -28) << kind;
     EXPECT_NE(bench.drive().controller().status().find("reverse"), std::string::npos);
   }
 }
