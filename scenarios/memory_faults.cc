@@ -55,26 +55,26 @@ void FaultyMemory::power_lost() {
 }
 
 void FaultyMemory::register_signals(Registry& registry) {
-  registry.add(Input{
-      .signal = {"memory.worn_bits", "", "So many bits of each block are read wrongly",
-                 [this] { return static_cast<double>(worn_bits_); }},
-      .minimum = 0,
-      .maximum = kMostWornBits,
-      .write = [this](double bits) { worn_bits_ = static_cast<std::size_t>(bits); },
-      .fault = true});
+  registry.add(
+      Input{.signal = {"memory.worn_bits", "", "So many bits of each block are read wrongly",
+                       [this] { return static_cast<double>(worn_bits_); }},
+            .minimum = 0,
+            .maximum = kMostWornBits,
+            .write = [this](double bits) { worn_bits_ = static_cast<std::size_t>(bits); },
+            .fault = true});
   registry.add(Input{.signal = {"memory.locked", "", "The memory takes no writes",
                                 [this] { return locked_ ? 1.0 : 0.0; }},
                      .minimum = 0,
                      .maximum = 1,
                      .write = [this](double locked) { locked_ = locked != 0; },
                      .fault = true});
-  registry.add(Input{
-      .signal = {"memory.write_time", "s",
-                 "How long a write takes: power that goes meanwhile leaves it torn",
-                 [this] { return std::chrono::duration<double>(write_time_).count(); }},
-      .minimum = 0,
-      .maximum = kLongestWrite_s,
-      .write = [this](double time_s) { write_time_ = from_seconds(time_s); }});
+  registry.add(
+      Input{.signal = {"memory.write_time", "s",
+                       "How long a write takes: power that goes meanwhile leaves it torn",
+                       [this] { return std::chrono::duration<double>(write_time_).count(); }},
+            .minimum = 0,
+            .maximum = kLongestWrite_s,
+            .write = [this](double time_s) { write_time_ = from_seconds(time_s); }});
 }
 
 }  // namespace virtdrive

@@ -25,7 +25,7 @@ struct ReplayOptions {
   SimDuration tolerance{};
   std::string signals = {};     // CSV file that was recorded beside; empty: bytes only
   double signal_tolerance = 0;  // of a signal's largest size
-  std::string wire = {};  // file of a new recording; empty: none
+  std::string wire = {};        // file of a new recording; empty: none
   NoteListener notes = {};
 };
 

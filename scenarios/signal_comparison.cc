@@ -52,8 +52,8 @@ SignalComparison::SignalComparison(const std::string& path, std::size_t count, d
       row.values.push_back(*value);
     }
     if (row.values.size() != count + 1) {
-      throw SetupError(fmt::format("{}:{}: {} columns instead of {}", path, at, row.values.size(),
-                                   count + 1));
+      throw SetupError(
+          fmt::format("{}:{}: {} columns instead of {}", path, at, row.values.size(), count + 1));
     }
     row.time = kSimStart + from_seconds(row.values.front());
     row.values.erase(row.values.begin());

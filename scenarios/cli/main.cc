@@ -57,12 +57,12 @@ void add_run(CLI::App& app, std::function<int()>& action) {
                    "A terminal with this link for the drive's second port, where it has one")
       ->check(not_empty());
   command
-       ->add_option("--link3", options->link3,
-                    "A terminal with this link for the drive's third port, where it has one")
-       ->check(not_empty());
+      ->add_option("--link3", options->link3,
+                   "A terminal with this link for the drive's third port, where it has one")
+      ->check(not_empty());
   command
-       ->add_option("--can-link", options->can_link,
-                    "A terminal with this link for an SLCAN adapter at the drive's CAN port")
+      ->add_option("--can-link", options->can_link,
+                   "A terminal with this link for an SLCAN adapter at the drive's CAN port")
       ->check(not_empty());
   CLI::Option* const tcp =
       command

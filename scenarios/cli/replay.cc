@@ -59,10 +59,10 @@ void print_json(const ReplayResult& result, const WireRecording& recording) {
 void print_text(const ReplayResult& result) {
   const double time_s = seconds(result.end);
   if (const auto& signal = result.signal_divergence) {
-    fmt::print("diverged: {} at {:.9f} s, after {} rows that are the same\n  recorded  {}\n"
-               "  replayed  {}\n",
-               signal->signal, seconds(signal->time), result.rows - 1, signal->recorded,
-               signal->replayed);
+    fmt::print(
+        "diverged: {} at {:.9f} s, after {} rows that are the same\n  recorded  {}\n"
+        "  replayed  {}\n",
+        signal->signal, seconds(signal->time), result.rows - 1, signal->recorded, signal->replayed);
   }
   if (identical(result)) {
     fmt::print("identical: {} host bytes, {} drive bytes, {}{:.3f} s\n", result.host_bytes,

@@ -84,6 +84,24 @@ Curve envelope(const SteadyMotor& motor, const DriveLimits& limits, double last_
   return curve;
 }
 
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+// What is above the plots, in four columns; where the first plot begins.
+double put_table(Chart& chart, const Facts& facts) {
+  constexpr int kColumns = 4;
+  constexpr double kTop = 92, kRow = 42;
+  for (std::size_t i = 0; i < facts.size(); ++i) {
+    const double x =
+        kMargin + static_cast<double>(i % kColumns) * (kWidth - 2 * kMargin) / kColumns;
+    const double y = kTop + static_cast<double>(i / kColumns) * kRow;
+    chart.put(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text><text class=\"value\" x=\"{:.1f}\" "
+        "y=\"{:.1f}\">{}</text>\n",
+        x, y, facts[i].first, x, y + 18, facts[i].second);
+  }
+  return kTop + 3 * kRow + 46;
+}
+
 class Page {
  public:
   explicit Page(const Motor& motor)
@@ -160,7 +178,7 @@ class Page {
     };
     const bool phases = !steady_.two_terminals();
     const std::string newton = torque_unit();
-    std::vector<std::pair<std::string, std::string>> facts = {
+    Facts facts = {
         {"Rated voltage", shown(r.voltage_v, "V")},
         {"Rated current",
          fmt::format("{:.4g} A {}", r.current_a, kCounted[static_cast<std::size_t>(r.counted_as)])},
@@ -181,17 +199,7 @@ class Page {
         {"Mechanical time constant", shown(constants_.mechanical_time_constant_s * 1e3, "ms")},
         {"Stall current", shown(constants_.stall_current_a, phases ? "A peak" : "A")}};
     if (phases) facts.emplace_back("Pole pairs", fmt::format("{}", e.pole_pairs));
-    constexpr int kColumns = 4;
-    for (std::size_t i = 0; i < facts.size(); ++i) {
-      const double x =
-          kMargin + static_cast<double>(i % kColumns) * (kWidth - 2 * kMargin) / kColumns;
-      const double y = 92 + static_cast<double>(i / kColumns) * 42;
-      chart_.put(
-          "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text><text class=\"value\" x=\"{:.1f}\" "
-          "y=\"{:.1f}\">{}</text>\n",
-          x, y, facts[i].first, x, y + 18, facts[i].second);
-    }
-    y_ = 92 + 42 * 3 + 46;
+    y_ = put_table(chart_, facts);
   }
 
   std::string at_current(const DriveLimits& limits) const {
@@ -411,7 +419,8 @@ class InductionPage {
       : motor_(motor),
         supply_(rated_supply(motor)),
         rated_(induction_at_power(motor, supply_, rated_power_w(motor.rating))),
-        speed_axis_(axis_up_to(60 * supply_.frequency_hz / motor.electrical.pole_pairs, 10)) {
+        synchronous_rpm_(60 * supply_.frequency_hz / motor.electrical.pole_pairs),
+        chart_(motor.name, kWidth) {
     for (const double share : {1.0, 0.75, 0.5, 0.25}) {
       const InductionSupply supply{share * supply_.line_v, share * supply_.frequency_hz};
       Points points;
@@ -425,125 +434,111 @@ class InductionPage {
   }
 
   std::string svg() {
-    std::string body;
-    put_facts(body);
-    put_torque(body);
-    put_current(body);
-    const double height = y_ + 14;
-    std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1:.0f}\" width=\"{0}\" "
-        "height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n<style>{3}</style>\n"
-        "<rect class=\"page\" width=\"{0}\" height=\"{1:.0f}\"/>\n",
-        kWidth, height, escape_xml(motor_.name), kStyle);
-    return svg + body + "</svg>\n";
+    put_texts();
+    put_torque();
+    put_current();
+    return chart_.svg(y_ + 14);
   }
 
  private:
   using Points = std::vector<InductionPoint>;
-  using Value = std::function<double(const InductionPoint&)>;
+  using PointValue = std::function<double(const InductionPoint&)>;
 
-  static std::string path_of(const Frame& f, const Points& points, const Value& value) {
-    std::string path;
+  void put_curve(const Plot& plot, const Points& points, const PointValue& value,
+                 std::string_view classes) {
+    std::vector<Point> shown;
     for (const InductionPoint& point : points) {
-      put(path, "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', f.px_of_speed(point.speed_radps),
-          f.py(std::max(0.0, value(point))));
+      shown.push_back({point.speed_radps * kRpmPerRadps, std::max(0.0, value(point))});
     }
-    return path;
+    chart_.curve(plot, shown, classes);
   }
-  double greatest(const Value& value) const {
+  double most(const PointValue& value) const {
     double most = 0;
     for (const InductionPoint& point : curves_.front()) most = std::max(most, value(point));
     return most;
   }
 
-  void put_facts(std::string& svg) {
+  void put_texts() {
     const CageParameters& c = *motor_.effects.cage;
     const InductionPoint idle = induction_no_load(motor_, supply_);
-    const InductionPoint most = induction_breakdown(motor_, supply_);
+    const InductionPoint breakdown = induction_breakdown(motor_, supply_);
     const InductionPoint locked = induction_point(motor_, supply_, 1);
-    put(svg, "<text class=\"title\" x=\"{:.1f}\" y=\"38\">{}</text>\n", kMargin,
-        escape_xml(motor_.name));
-    put(svg, "<text x=\"{:.1f}\" y=\"60\">{}</text>\n", kMargin, escape_xml(motor_.description));
-    const std::vector<std::pair<std::string, std::string>> facts = {
-        {"Supply", fmt::format("{:.4g} V, {:.4g} Hz", supply_.line_v, supply_.frequency_hz)},
-        {"Rated power", fmt::format("{:.4g} W", rated_.output_w)},
-        {"Speed at rated power", fmt::format("{:.4g} rpm", rated_.speed_radps * kRpmPerRadps)},
-        {"Torque at rated power", fmt::format("{:.4g} Nm", rated_.torque_nm)},
-        {"Current at rated power", fmt::format("{:.4g} A rms", rated_.current_a)},
-        {"Power factor, efficiency",
-         fmt::format("{:.2f}, {:.1f} %", rated_.power_factor, 100 * rated_.efficiency())},
-        {"No-load current", fmt::format("{:.4g} A rms", idle.current_a)},
-        {"Locked-rotor current", fmt::format("{:.4g} A rms", locked.current_a)},
-        {"Breakdown torque",
-         fmt::format("{:.4g} Nm at {:.4g} rpm", most.torque_nm, most.speed_radps * kRpmPerRadps)},
-        {"Rs, Rr", fmt::format("{:.4g}, {:.4g} Ohm", motor_.electrical.resistance_ohm,
-                               c.rotor_resistance_ohm)},
-        {"Leakage, stator and rotor",
-         fmt::format("{:.4g}, {:.4g} mH", c.stator_leakage_h * 1e3, c.rotor_leakage_h * 1e3)},
-        {"Main inductance", fmt::format("{:.4g} mH unsaturated", c.main_inductance_h * 1e3)}};
-    constexpr int kColumns = 4;
-    for (std::size_t i = 0; i < facts.size(); ++i) {
-      const double x =
-          kMargin + static_cast<double>(i % kColumns) * (kWidth - 2 * kMargin) / kColumns;
-      const double y = 92 + static_cast<double>(i / kColumns) * 42;
-      put(svg,
-          "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text><text class=\"value\" x=\"{:.1f}\" "
-          "y=\"{:.1f}\">{}</text>\n",
-          x, y, facts[i].first, x, y + 18, facts[i].second);
-    }
-    y_ = 92 + 42 * 3 + 46;
+    chart_.put("<text class=\"title\" x=\"{:.1f}\" y=\"38\">{}</text>\n", kMargin,
+               escape_xml(motor_.name));
+    chart_.put("<text x=\"{:.1f}\" y=\"60\">{}</text>\n", kMargin, escape_xml(motor_.description));
+    y_ = put_table(
+        chart_,
+        {{"Supply", fmt::format("{:.4g} V, {:.4g} Hz", supply_.line_v, supply_.frequency_hz)},
+         {"Rated power", fmt::format("{:.4g} W", rated_.output_w)},
+         {"Speed at rated power", fmt::format("{:.4g} rpm", rated_.speed_radps * kRpmPerRadps)},
+         {"Torque at rated power", fmt::format("{:.4g} Nm", rated_.torque_nm)},
+         {"Current at rated power", fmt::format("{:.4g} A rms", rated_.current_a)},
+         {"Power factor, efficiency",
+          fmt::format("{:.2f}, {:.1f} %", rated_.power_factor, 100 * rated_.efficiency())},
+         {"No-load current", fmt::format("{:.4g} A rms", idle.current_a)},
+         {"Locked-rotor current", fmt::format("{:.4g} A rms", locked.current_a)},
+         {"Breakdown torque", fmt::format("{:.4g} Nm at {:.4g} rpm", breakdown.torque_nm,
+                                          breakdown.speed_radps * kRpmPerRadps)},
+         {"Rs, Rr", fmt::format("{:.4g}, {:.4g} Ohm", motor_.electrical.resistance_ohm,
+                                c.rotor_resistance_ohm)},
+         {"Leakage, stator and rotor",
+          fmt::format("{:.4g}, {:.4g} mH", c.stator_leakage_h * 1e3, c.rotor_leakage_h * 1e3)},
+         {"Main inductance", fmt::format("{:.4g} mH unsaturated", c.main_inductance_h * 1e3)}});
   }
 
-  void put_torque(std::string& svg) {
-    const Value torque = [](const InductionPoint& p) { return p.torque_nm; };
-    const Frame f{kMargin + kLeft, y_,          kWidth - 2 * kMargin - kLeft,
-                  kTorqueHeight,   speed_axis_, axis_up_to(greatest(torque) * 1.02, 7)};
-    put_heading(svg, f, "Torque over speed");
-    put_keys(svg, f,
-             {{"blue", fmt::format("{:.4g} V, {:.4g} Hz", supply_.line_v, supply_.frequency_hz)},
-              {"orange dashed", "75, 50 and 25 % of both"}});
-    put_axes(svg, f, "Nm");
+  void put_torque() {
+    const PointValue torque = [](const InductionPoint& p) { return p.torque_nm; };
+    const Plot f{kMargin + kLeft,
+                 y_,
+                 kWidth - 2 * kMargin - kLeft,
+                 kTorqueHeight,
+                 scale_up_to(synchronous_rpm_, 10, "rpm"),
+                 scale_up_to(most(torque) * 1.02, 7, "Nm")};
+    chart_.heading(f, "Torque over speed");
+    chart_.keys(f,
+                {{"blue", fmt::format("{:.4g} V, {:.4g} Hz", supply_.line_v, supply_.frequency_hz)},
+                 {"orange dashed", "75, 50 and 25 % of both"}});
+    chart_.axes(f);
     for (std::size_t i = curves_.size(); i-- > 0;) {
-      put(svg, "<path class=\"line {}\" d=\"{}\"/>\n", i == 0 ? "blue" : "orange dashed",
-          path_of(f, curves_[i], torque));
+      put_curve(f, curves_[i], torque, i == 0 ? "blue" : "orange dashed");
     }
-    put(svg,
+    const double rated_rpm = rated_.speed_radps * kRpmPerRadps;
+    chart_.put(
         "<circle class=\"rated\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"><title>Rated: {:.4g} Nm at "
         "{:.4g} rpm</title></circle>\n",
-        f.px_of_speed(rated_.speed_radps), f.py(rated_.torque_nm), rated_.torque_nm,
-        rated_.speed_radps * kRpmPerRadps);
+        f.px(rated_rpm), f.py(rated_.torque_nm), rated_.torque_nm, rated_rpm);
     y_ += kTorqueHeight + kGap;
   }
 
-  void put_current(std::string& svg) {
+  void put_current() {
     const double width = kHalf - kLeft - 8;
-    Axis speed = speed_axis_;
-    speed.step *= 2;
-    const Value current = [](const InductionPoint& p) { return p.current_a; };
-    const Frame left{kMargin + kLeft, y_,    width,
-                     kSmallHeight,    speed, axis_up_to(greatest(current) * 1.02, 6)};
-    put_heading(svg, left, "Current (rms) on the rated supply");
-    put_axes(svg, left, "A");
-    put(svg, "<path class=\"line blue\" d=\"{}\"/>\n", path_of(left, curves_.front(), current));
-    const Frame right{kMargin + kHalf + kLeft + 8, y_, width, kSmallHeight, speed,
-                      axis_up_to(100, 6)};
-    put_heading(svg, right, "Efficiency and power factor");
-    put_keys(svg, right, {{"green", "efficiency"}, {"blue dashed", "power factor"}});
-    put_axes(svg, right, "%");
-    put(svg, "<path class=\"line green\" d=\"{}\"/>\n",
-        path_of(right, curves_.front(),
-                [](const InductionPoint& p) { return 100 * p.efficiency(); }));
-    put(svg, "<path class=\"line blue dashed\" d=\"{}\"/>\n",
-        path_of(right, curves_.front(),
-                [](const InductionPoint& p) { return 100 * p.power_factor; }));
+    const Scale speed = scale_up_to(synchronous_rpm_, 5, "rpm");
+    const PointValue current = [](const InductionPoint& p) { return p.current_a; };
+    const Plot left{kMargin + kLeft, y_,    width,
+                    kSmallHeight,    speed, scale_up_to(most(current) * 1.02, 6, "A")};
+    chart_.heading(left, "Current (rms) on the rated supply");
+    chart_.axes(left);
+    put_curve(left, curves_.front(), current, "blue");
+    const Plot right{kMargin + kHalf + kLeft + 8, y_, width, kSmallHeight, speed,
+                     scale_up_to(100, 6, "%")};
+    chart_.heading(right, "Efficiency and power factor");
+    chart_.keys(right, {{"green", "efficiency"}, {"blue dashed", "power factor"}});
+    chart_.axes(right);
+    put_curve(
+        right, curves_.front(), [](const InductionPoint& p) { return 100 * p.efficiency(); },
+        "green");
+    put_curve(
+        right, curves_.front(), [](const InductionPoint& p) { return 100 * p.power_factor; },
+        "blue dashed");
     y_ += kSmallHeight + kGap - 30;
   }
 
   const Motor& motor_;
   InductionSupply supply_;
   InductionPoint rated_;
-  Axis speed_axis_;
+  double synchronous_rpm_;
   std::vector<Points> curves_;
+  Chart chart_;
   double y_ = 0;
 };
 
