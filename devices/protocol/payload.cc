@@ -106,6 +106,7 @@ std::string describe(std::span<const Field> fields, const Values& values) {
   std::string text;
   std::size_t i = 0;
   for_each_number(fields, [&](const Field& field) {
+    if (i == values.size()) return;
     if (!text.empty()) text += ' ';
     const double scaled = static_cast<double>(values[i]) * field.scale;
     text += field.scale == 1 ? fmt::format("{}={}", field.name, values[i])

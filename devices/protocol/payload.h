@@ -74,7 +74,8 @@ std::vector<Field> with_value(std::span<const Field> fields, std::span<const Fie
 /// The fields whose bits are set, the first field's being bit 0. Bits without a field do not count.
 std::vector<Field> masked(std::span<const Field> fields, std::int64_t mask);
 
-/// "motor_nr=1 id=0xE5 ..." for traces: numbers in the fields' units.
+/// "motor_nr=1 id=0xE5 ..." for traces: numbers in the fields' units. Fields behind the last value,
+/// which a sender left out, are not told.
 std::string describe(std::span<const Field> fields, const Values& values);
 
 }  // namespace virtdrive::protocol
