@@ -90,9 +90,11 @@ struct DriveKind {
   const protocol::ProtocolTable* protocol = nullptr;
   std::function<std::unique_ptr<Drive>(const DriveContext&)> make;
   std::function<std::unique_ptr<HostClient>(std::unique_ptr<HostTransport>)> make_host;
-  /// What checks a drive against its table, and the channel that its requests name.
-  std::function<std::unique_ptr<protocol::Dialect>()> make_dialect;
+  /// What checks a drive against its table, empty if nothing does; the channel that its requests
+  /// name, and how long an answer may take.
+  std::function<std::unique_ptr<protocol::Dialect>()> make_dialect = {};
   std::uint8_t checked_channel = 1;
+  SimDuration checked_patience = std::chrono::milliseconds(500);
 };
 
 const std::vector<DriveKind>& drive_catalogue();

@@ -41,6 +41,10 @@ class WalkDialect final : public protocol::Dialect {
   bool names_channel(const CommandRow&) const override { return false; }
   using protocol::Dialect::effect;
   protocol::Effect effect(const ParameterRow& row) const override;
+  /// Command and frequency words, and who gives them (CMOD, FMOD).
+  bool moves(const ParameterRow& row) const override {
+    return row.id >= 0xFA00 || row.id == 0x0003 || row.id == 0x0004;
+  }
   protocol::Range range(const ParameterRow& row) const override;
 
  private:

@@ -23,6 +23,7 @@ constexpr std::uint8_t kReportPacket = 1, kCallPacket = 2, kInitPacket = 3, kStr
                        kSetPacket = 5, kGetPacket = 6;
 constexpr std::uint16_t kReset = 88, kOn = 89, kDisable = 92, kHome = 95, kAlign = 96, kSetup = 113,
                         kErrorReset = 142;
+constexpr std::uint16_t kOut1 = 98, kOut2 = 99;  // brakes
 constexpr std::uint16_t kBias = 24, kPwm = 100, kIqpkt = 101, kIdpkt = 102;
 constexpr std::uint16_t kU = 57, kV = 58, kW = 59, kData0 = 63, kTraceMode = 73, kTimer = 77,
                         kPosition = 82, kVersionId = 97, kEncoderType = 117, kEncoderId = 118,
@@ -106,9 +107,9 @@ Effect CommonDialect::effect(const ParameterRow& row) const {
   return std::ranges::find(kNotKept, row.id) != kNotKept.end() ? Effect::kSkip : Effect::kNone;
 }
 
-// Outputs of an amplifier that is on.
+// Outputs of an amplifier that is on, and brakes.
 bool CommonDialect::moves(const ParameterRow& row) const {
-  constexpr std::array kOutputs = {kBias, kPwm, kIqpkt, kIdpkt};
+  constexpr std::array kOutputs = {kBias, kOut1, kOut2, kPwm, kIqpkt, kIdpkt};
   return std::ranges::find(kOutputs, row.id) != kOutputs.end();
 }
 

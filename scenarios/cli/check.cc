@@ -15,12 +15,13 @@ namespace {
 using protocol::Allow;
 
 protocol::WalkOptions walk_options(const CheckOptions& options, const DriveKind& kind) {
-  return {.channel = options.channel.value_or(kind.checked_channel),
-          .allow = options.allow,
-          .at_factory = options.factory,
-          .patience = from_seconds(options.patience_s),
-          .silence = from_seconds(options.silence_s),
-          .most_failures = options.most_failures};
+  return {
+      .channel = options.channel.value_or(kind.checked_channel),
+      .allow = options.allow,
+      .at_factory = options.factory,
+      .patience = options.patience_s ? from_seconds(*options.patience_s) : kind.checked_patience,
+      .silence = from_seconds(options.silence_s),
+      .most_failures = options.most_failures};
 }
 
 DriveCheck check_at_port(const CheckOptions& options, const DriveKind& kind) {
@@ -32,7 +33,9 @@ DriveCheck check_at_port(const CheckOptions& options, const DriveKind& kind) {
 
 // In virtual time, where nothing disturbs.
 DriveCheck check_inside(const CheckOptions& options, const DriveKind& kind) {
+  constexpr SimDuration kStart = std::chrono::seconds(3);  // any of ours has started by then
   Bench bench({.drives = {{.kind = std::string(kind.name)}}});
+  bench.run_for(kStart);
   LineTransport transport(bench.loop(), bench.line());
   return check_drive(
       *kind.make_dialect(), transport, [&] { return bench.loop().now() - kSimStart; },
@@ -57,6 +60,9 @@ int check(const CheckOptions& options) {
   }
   const DriveKind& kind =
       options.port.empty() ? find_drive(options.drive) : find_protocol(options.protocol);
+  if (!kind.make_dialect) {
+    throw SetupError(fmt::format("check drive: there are no checks for {}", kind.table.name));
+  }
   const DriveCheck checked =
       options.port.empty() ? check_inside(options, kind) : check_at_port(options, kind);
   fmt::print("{}", text(checked));

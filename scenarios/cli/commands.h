@@ -88,8 +88,8 @@ struct CheckOptions {
   Parity parity = Parity::kNone;
   protocol::Allow allow = protocol::Allow::kReads;
   std::optional<std::uint8_t> channel;
-  bool factory = false;  // compare with the table's factory settings
-  double patience_s = 0.5;
+  bool factory = false;              // compare with the table's factory settings
+  std::optional<double> patience_s;  // none: the protocol's
   double silence_s = 0.05;
   std::size_t most_failures = 100;
   std::string junit;  // files; empty: none

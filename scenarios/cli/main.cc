@@ -344,9 +344,9 @@ void add_check(CLI::App& app, std::function<int()>& action) {
   command->add_option("--channel", options->channel, "The motor's number, or the device's ID");
   command->add_flag("--factory", options->factory, "It has its factory settings: compare them");
   command
-      ->add_option("--patience", options->patience_s, "Seconds that an answer may take at the most")
-      ->check(CLI::Range(1e-3, 60.0))
-      ->capture_default_str();
+      ->add_option("--patience", options->patience_s,
+                   "Seconds that an answer may take at the most, if not the protocol's own")
+      ->check(CLI::Range(1e-3, 60.0));
   command
       ->add_option("--silence", options->silence_s,
                    "Seconds without a byte after which the device is taken to be silent")

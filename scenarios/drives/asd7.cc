@@ -10,6 +10,7 @@
 #include "core/check.h"
 #include "devices/asd7/device.h"
 #include "devices/asd7/size_table.h"
+#include "devices/asd7/walk.h"
 #include "devices/asd7_modbus/device.h"
 #include "firmware_models/asd7/ac_drive.h"
 #include "scenarios/drives/asd7_words.h"
@@ -319,6 +320,9 @@ void Asd7Drive::register_faults(Registry& registry) {
                      .write = [this](double degc) { drive_.set_ambient_degc(degc); }});
 }
 
+// An answer may be told to wait for two seconds (F805).
+constexpr SimDuration kLongestWait = std::chrono::seconds(3);
+
 // What the catalogue points to, of one size and one protocol.
 struct Entry {
   Entry(const Model& its_model, Spoken its_protocol)
@@ -368,7 +372,12 @@ std::vector<DriveKind> asd7_kinds() {
          .make = [entry = entry.get()](const DriveContext& context) -> std::unique_ptr<Drive> {
            return std::make_unique<Asd7Drive>(context, entry->model, entry->spoken);
          },
-         .make_host = entry->spoken == Spoken::kModbus ? make_asd7_modbus_host : make_asd7_host});
+         .make_host = entry->spoken == Spoken::kModbus ? make_asd7_modbus_host : make_asd7_host,
+         .checked_patience = kLongestWait});
+    if (entry->spoken == Spoken::kModbus) continue;
+    kinds.back().make_dialect = [&table = entry->table] {
+      return std::make_unique<WalkDialect>(table.table());
+    };
   }
   return kinds;
 }

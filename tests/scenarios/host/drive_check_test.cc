@@ -19,14 +19,19 @@ struct Rig {
                .listener = [this](std::string_view, const WireEvent& event) {
                  if (event.kind != WireEvent::Kind::kRequest) return;
                  ++heard[std::string(event.text.substr(0, event.text.find(' ')))];
-               }}) {}
+               }}) {
+    bench.run_for(std::chrono::seconds(3));  // it has started
+  }
 
   DriveCheck check(Allow allow) {
     const DriveKind& kind = bench.drive().kind();
     LineTransport transport(bench.loop(), bench.line());
     return check_drive(*kind.make_dialect(), transport,
                        [&] { return bench.loop().now() - kSimStart; },
-                       {.channel = kind.checked_channel, .allow = allow});
+                       {.channel = kind.checked_channel,
+                        .allow = allow,
+                        .patience = kind.checked_patience,
+                        .silence = std::chrono::milliseconds(50)});
   }
 
   std::map<std::string, int> heard;
@@ -34,7 +39,7 @@ struct Rig {
 };
 
 TEST(DriveCheck, OursKeepToTheirTablesAtEachLevel) {
-  for (const std::string_view kind : {"toshiba-mcu", "md400t"}) {
+  for (const std::string_view kind : {"toshiba-mcu", "md400t", "rzt1", "asd7"}) {
     std::size_t checks = 0;
     for (const Allow allow : {Allow::kReads, Allow::kWrites}) {
       const DriveCheck check = Rig(kind).check(allow);
@@ -55,7 +60,7 @@ TEST(DriveCheck, WithReadsOnlyNothingButReadingRequestsAreSent) {
 }
 
 TEST(DriveCheck, WithWritesSettingsAreLeftAsTheyWereAndNothingTurns) {
-  for (const std::string_view kind : {"toshiba-mcu", "md400t"}) {
+  for (const std::string_view kind : {"toshiba-mcu", "md400t", "rzt1", "asd7"}) {
     Rig rig(kind);
     const protocol::ProtocolTable& table = rig.bench.drive().kind().table;
     const ParameterDump before = dump_parameters(*rig.bench.host(), table);
