@@ -184,7 +184,7 @@ inline constexpr Range kRampTimes{0, 36000};
 // clang-format off
 inline constexpr ParameterRow kParameters[] = {
     // Basic parameters
-    setting(0x0000, "AU1", {0, 1}, 0, kPlain, kS15, "Automatic acceleration and deceleration: 1 on."),
+    setting(0x0000, "AU1", {0, 1}, 0, kPlain, kS15, "Automatic acceleration and deceleration: 1 on.", Support::kStored),
     setting(0x0001, "AU2", {0, 3}, 0, kPlain, kRecall, "Automatic torque boost macro.", Support::kStored),
     setting(0x0003, "CMOD", {0, 2}, 0, kPlain, kS11S15, "Who gives the run command: 0 terminals, 1 panel, 2 serial line. 0 and 1 are VF-S11's, 2 VF-S15's."),
     setting(0x0004, "FMOD", {0, 4}, 0, kPlain, kS11S15, "Who gives the frequency: 0 panel, 1 VIA, 2 VIB, 3 both, 4 serial line. 1 to 3 are recalled."),

@@ -23,9 +23,9 @@ int list_drives(bool names_only) {
       fmt::print("{}\n", kind.name);
       continue;
     }
-    fmt::print("{:<14} {}\n", kind.name, kind.table.title);
+    fmt::print("{:<17} {}\n", kind.name, kind.table.title);
     const PortKind& port = kind.ports.front();
-    fmt::print("{:<14} motor {}, {} baud{}\n", "", kind.default_motor, port.baud,
+    fmt::print("{:<17} motor {}, {} baud{}\n", "", kind.default_motor, port.baud,
                port.parity == Parity::kEven ? ", even parity" : "");
   }
   return kExitOk;
@@ -59,7 +59,7 @@ int list_signals(const std::string& drive) {
 }
 
 int list_parameters(const std::string& drive) {
-  constexpr std::string_view kRow = "{:<4} {:<26} {:<4} {:<25} {:<14} {:<26} {}\n";
+  constexpr std::string_view kRow = "{:<4} {:<26} {:<4} {:<25} {:<17} {:<26} {}\n";
   const protocol::ProtocolTable& table = find_drive(drive).table;
   fmt::print(kRow, "id", "name", "", "range", "factory", "unit", "support");
   for (const protocol::ParameterRow& row : table.parameters) {
