@@ -148,13 +148,12 @@ void Asd7Drive::register_signals(Registry& registry) {
 void Asd7Drive::register_reports(Registry& registry) {
   const auto add = [&](std::string_view quantity, std::string unit, std::string doc, auto read) {
     registry.add(Signal{fmt::format("drive0.{}", quantity), std::move(unit), std::move(doc),
-                        [this, read] { return static_cast<double>(read()); }});
+                        [read] { return static_cast<double>(read()); }});
   };
   const auto bits = [&](std::string_view quantity, std::string doc,
                         std::vector<std::string_view> words, auto read) {
     registry.add(Signal{fmt::format("drive0.{}", quantity), "", std::move(doc),
-                        [this, read] { return static_cast<double>(read()); }, std::move(words),
-                        true});
+                        [read] { return static_cast<double>(read()); }, std::move(words), true});
   };
   add("output_frequency", "Hz", "Output frequency, signed", [this] { return drive_.output_hz(); });
   add("process_frequency", "Hz", "Frequency that the ramp goes to, after PI control",
