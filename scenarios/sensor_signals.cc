@@ -45,17 +45,17 @@ void name_sensor(Registry& registry, const std::string& name, HallSensors& senso
         fmt::format("Hall sensor {} switches so much late (electrical)", letter), {-60, 60},
         sensors.placement_error_rad[i], changed, kRadPerDeg);
   }
-  for (const auto& [code, stuck] : {std::pair{0, Output::kStuckLow}, {7, Output::kStuckHigh}}) {
+  for (const auto& [code, output] : {std::pair{0, Output::kStuckLow}, {7, Output::kStuckHigh}}) {
     registry.add(Input{.signal = {fmt::format("{}.code_{}", name, code), "",
                                   fmt::format("The Hall cable is broken: code {}", code),
-                                  [&sensors, stuck = stuck] {
+                                  [&sensors, stuck = output] {
                                     return std::ranges::count(sensors.output, stuck) == 3 ? 1.0
                                                                                           : 0.0;
                                   }},
                        .minimum = 0,
                        .maximum = 1,
                        .write =
-                           [&sensors, stuck = stuck, changed](double there) {
+                           [&sensors, stuck = output, changed](double there) {
                              const bool broken = std::ranges::count(sensors.output, stuck) == 3;
                              if (there > 0)
                                sensors.output.fill(stuck);
