@@ -169,8 +169,8 @@ class Typing(DriveTest):
         self.addCleanup(self.tmux, "kill-server")
         self.tmux("new-session", "-d", "-s", "typing", "-x", "80", "-y", "24",
                   f"picocom --quiet --baud 115200 --echo --emap crcrlf {bench.link}")
-        self.wait_for("picocom", lambda: self.typed("POS 2100", "\n>"))
-        for line in ("POS", "POS 2000", "POS", "pos", "ERR 5", "STA"):
+        self.wait_for("picocom", lambda: self.typed("", "\n>"))
+        for line in ("POS 2100", "POS", "POS 2000", "POS", "pos", "ERR 5", "STA"):
             before = "\n".join(self.screen()).count("\n>") + "\n".join(self.screen()).count("\n?")
             self.tmux("send-keys", "-t", "typing", "-l", line)
             self.tmux("send-keys", "-t", "typing", "Enter")
