@@ -99,16 +99,10 @@ int call(const HostOptions& options) {
   need(options, 1, 1 + protocol::Values::kMaximum, "COMMAND [FIELD=VALUE ...]");
   Connection drive(options);
   const std::string& name = options.arguments.front();
-  const auto rows = drive.kind.table.commands;
-  const auto row = std::ranges::find(rows, name, &protocol::CommandRow::name);
-  if (row == rows.end()) {
-    std::vector<std::string_view> names;
-    for (const protocol::CommandRow& known : rows) names.push_back(known.name);
-    throw SetupError(unknown_name("command", name, names));
-  }
+  const protocol::CommandRow& row = command_named(name, drive.kind.table);
   const protocol::Values reply = drive.client->call(
-      name, parse_request(*row, drive.kind, std::span(options.arguments).subspan(1)));
-  const std::vector<FlatField> fields = flat_fields(row->reply);
+      name, parse_request(row, drive.kind, std::span(options.arguments).subspan(1)));
+  const std::vector<FlatField> fields = flat_fields(row.reply);
   Json json = Json::object();
   for (std::size_t i = 0; i < reply.size(); ++i) {
     const std::string field = i < fields.size() ? fields[i].name : fmt::format("value{}", i + 1);

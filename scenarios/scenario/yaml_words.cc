@@ -125,17 +125,26 @@ void check_unit(const Place& place, const protocol::ProtocolTable& table,
   place.fail(unknown_name(fmt::format("unit of {}", row->name), unit, labels));
 }
 
-const protocol::CommandRow& command_named(const YamlValue& value,
+const protocol::CommandRow& command_named(std::string_view text,
                                           const protocol::ProtocolTable& table) {
-  const std::string text = value.text();
-  const std::string_view name = std::string_view(text).substr(text.rfind('.') + 1);
+  const std::string_view name = text.substr(text.rfind('.') + 1);
   std::vector<std::string_view> names;
   for (const auto& rows : {table.commands, table.functions}) {
     const auto it = std::ranges::find(rows, name, &protocol::CommandRow::name);
     if (it != rows.end()) return *it;
     for (const protocol::CommandRow& row : rows) names.push_back(row.name);
   }
-  value.fail(unknown_name("command", name, names));
+  throw SetupError(unknown_name("command", name, names));
+}
+
+const protocol::CommandRow& command_named(const YamlValue& value,
+                                          const protocol::ProtocolTable& table) {
+  const std::string text = value.text();
+  try {
+    return command_named(text, table);
+  } catch (const SetupError& error) {
+    value.fail(error.what());
+  }
 }
 
 std::vector<FlatField> flat_fields(std::span<const protocol::Field> fields) {

@@ -55,6 +55,9 @@ void check_unit(const Place& place, const protocol::ProtocolTable& table,
                 std::string_view parameter, std::string_view unit);
 
 /// A command or function, "[CHANNEL.]NAME".
+/// "[CHANNEL.]NAME" of a command or a function; SetupError with the nearest names for another.
+const protocol::CommandRow& command_named(std::string_view text,
+                                          const protocol::ProtocolTable& table);
 const protocol::CommandRow& command_named(const YamlValue& value,
                                           const protocol::ProtocolTable& table);
 
